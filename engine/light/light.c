@@ -10,15 +10,20 @@
 const light_kernels *light_kernels_for(stilb_isa isa)
 {
 	STILB_ASSERT(isa < STILB_ISA_COUNT);
-	(void)isa;
+#if defined(__x86_64__)
+	if (isa == STILB_ISA_AVX512)
+		return &light_kernels_avx512;
+	if (isa == STILB_ISA_AVX2)
+		return &light_kernels_avx2;
+#endif
 	return &light_kernels_scalar;
 }
 
 void light_spread(light_build *build, uint32_t count, stilb_job_range_fn *fn)
 {
-	bool parallel =
-		build->pool && (uint64_t)build->count * light_units(&build->scratch->view) >= build->scratch->serial_below;
-	if (parallel)
+	const light_view *view = &build->scratch->view;
+	uint64_t work = ((uint64_t)build->count + LIGHT_CELLS_WORK) * light_bands(view) * view->slices;
+	if (build->pool && work >= build->scratch->serial_below)
 		stilb_job_parallel_for(build->pool, count, 1, fn, build, build->worker);
 	else
 		fn(0, count, 0, build);
@@ -39,37 +44,45 @@ static bool lists_reserve(uint32_t **array, uint32_t *capacity, uint64_t count)
 	return *array;
 }
 
-/* Writes the lists of unit begin .. end - 1. */
+/* Appends each light to the lists of its cells: cursors are the places in ids where each column's list goes on. */
+static void row_fill(const light_row *row, uint32_t *restrict cursors, uint32_t *restrict ids)
+{
+	const uint32_t *restrict numbers = row->numbers;
+	const light_span *restrict spans = row->spans;
+	for (uint32_t i = 0; i < row->count; i++) {
+		uint32_t number = numbers[i], end = spans[i].last + 1u;
+		for (uint32_t c = spans[i].first; c < end; c++) {
+			uint32_t at = cursors[c];
+			cursors[c] = at + 1;
+			ids[at] = number;
+		}
+	}
+}
+
+/* Writes the lists of bands begin .. end - 1. */
 static void light_job_lists(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	PROFILE("light.lists");
 	(void)worker;
 	const light_build *build = context;
-	struct light_scratch *scratch = build->scratch;
+	const struct light_scratch *scratch = build->scratch;
 	stilb_light_lists *lists = build->lists;
 	const light_view *view = &scratch->view;
-	uint32_t blocks = light_blocks(view);
 	for (uint32_t number = begin; number < end; number++) {
-		const light_unit *unit = &scratch->units[number];
-		uint32_t *cursors = scratch->counters + (size_t)number * blocks * LIGHT_BLOCK_CELLS;
-		uint32_t slice = number / light_bands(view), row = number % light_bands(view) * LIGHT_BLOCK;
-		uint32_t id = (uint32_t)unit->first_id, at = 0;
-		for (uint32_t r = 0; r < LIGHT_BLOCK && row + r < view->rows; r++) {
-			uint32_t *starts = lists->starts + (size_t)view->columns * (row + r + (size_t)view->rows * slice);
+		const light_band *band = &scratch->bands[number];
+		uint32_t slice = number / light_bands(view), first = light_band_row(view, number % light_bands(view));
+		uint32_t last = light_band_row(view, number % light_bands(view) + 1), id = (uint32_t)band->first_id;
+		for (uint32_t r = first; r < last; r++) {
+			uint32_t *cursors = light_counters(scratch, slice, r);
+			uint32_t *starts = lists->starts + ((size_t)slice * view->rows + r) * view->columns;
 			for (uint32_t c = 0; c < view->columns; c++) {
-				uint32_t *cursor = cursors + (c / LIGHT_BLOCK) * LIGHT_BLOCK_CELLS + r * LIGHT_BLOCK + c % LIGHT_BLOCK;
-				uint32_t length = *cursor;
-				*cursor = starts[c] = id;
+				uint32_t length = cursors[c];
+				cursors[c] = starts[c] = id;
 				id += length;
 			}
+			row_fill(&band->rows[r - first], cursors, lists->ids);
 		}
-		for (uint32_t s = 0; s < unit->segment_count; s++) {
-			light_segment segment = unit->segments[s];
-			scratch->kernels->fill(unit->masks + at, unit->lights + at, segment.count,
-			                       cursors + (size_t)segment.block * LIGHT_BLOCK_CELLS, lists->ids);
-			at += segment.count;
-		}
-		STILB_ASSERT(id == unit->first_id + unit->id_count);
+		STILB_ASSERT(id == band->first_id + band->id_count);
 	}
 }
 
@@ -80,14 +93,15 @@ static stilb_result build_find(light_build *build, double irradiance, uint64_t *
 	build->irradiance = irradiance;
 	stilb_result result = light_reaching_find(build);
 	if (result == STILB_OK)
-		result = light_units_fill(build);
+		result = light_bands_fill(build);
 	*pairs = 0;
 	*longest = 0;
-	for (uint32_t u = 0; result == STILB_OK && u < light_units(&build->scratch->view); u++) {
-		light_unit *unit = &build->scratch->units[u];
-		unit->first_id = *pairs;
-		*pairs += unit->id_count;
-		*longest = unit->longest > *longest ? unit->longest : *longest;
+	const light_view *view = &build->scratch->view;
+	for (uint32_t b = 0; result == STILB_OK && b < light_bands(view) * view->slices; b++) {
+		light_band *band = &build->scratch->bands[b];
+		band->first_id = *pairs;
+		*pairs += band->id_count;
+		*longest = band->longest > *longest ? band->longest : *longest;
 	}
 	return result;
 }
@@ -139,7 +153,7 @@ static stilb_result build_write(light_build *build, uint64_t pairs)
 	memcpy(lists->lights, scratch->everywhere, lists->everywhere_count * sizeof *lists->lights);
 	memcpy(lists->lights + lists->everywhere_count, scratch->reaching.index,
 	       scratch->reaching.count * sizeof *lists->lights);
-	light_spread(build, light_units(&scratch->view), light_job_lists);
+	light_spread(build, light_bands(&scratch->view) * lists->slices, light_job_lists);
 	return STILB_OK;
 }
 
@@ -200,7 +214,7 @@ void stilb_light_lists_finish(stilb_light_lists *lists)
 	if (lists->scratch) {
 		light_view_finish(&lists->scratch->view);
 		light_reaching_finish(lists->scratch);
-		light_units_finish(lists->scratch);
+		light_bands_finish(lists->scratch);
 	}
 	free(lists->scratch);
 	free(lists->lights);

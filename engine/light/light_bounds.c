@@ -23,7 +23,8 @@ static double size3(const float a[3])
 
 static double brightest(const stilb_scene_light *light)
 {
-	return (double)fmaxf(fmaxf(light->intensity[0], light->intensity[1]), light->intensity[2]);
+	return light_larger((double)light->intensity[0],
+	                    light_larger((double)light->intensity[1], (double)light->intensity[2]));
 }
 
 /* The distance at which intensity * share(d) / d^2 falls to irradiance, share being the falloff's. With u = (d /
@@ -32,7 +33,8 @@ static double reach_of(const stilb_scene_light *light, double intensity, double 
 {
 	if (light->falloff == STILB_SCENE_LIGHT_PHYSICAL)
 		return sqrt(intensity / irradiance);
-	double end = fmax((double)light->reach, REACH_MIN), q = irradiance * end * end / intensity, u = 1.0 / (1.0 + q);
+	double end = light_larger((double)light->reach, REACH_MIN), q = irradiance * end * end / intensity,
+		   u = 1.0 / (1.0 + q);
 	if (light->falloff == STILB_SCENE_LIGHT_WINDOWED)
 		u = 2.0 / (2.0 + q + sqrt(q * q + 4.0 * q));
 	if (light->falloff == STILB_SCENE_LIGHT_RANGED)
@@ -49,13 +51,14 @@ double light_reach(const stilb_scene_light *light, double irradiance)
 	if (!(intensity > 0.0))
 		return 0.0;
 	if (!(irradiance > 0.0))
-		return light->falloff == STILB_SCENE_LIGHT_PHYSICAL ? (double)INFINITY : fmax((double)light->reach, REACH_MIN);
+		return light->falloff == STILB_SCENE_LIGHT_PHYSICAL ? (double)INFINITY
+		                                                    : light_larger((double)light->reach, REACH_MIN);
 	double reach = reach_of(light, intensity, irradiance);
 	if (light->kind == STILB_SCENE_LIGHT_RECTANGLE) {
 		double xx = dot3(light->half_x, light->half_x), yy = dot3(light->half_y, light->half_y);
 		double wider = reach_of(light, intensity * (double)SHADE_PI * (xx + yy) / (4.0 * sqrt(xx * yy)), irradiance);
 		double farther = sqrt(intensity / irradiance) + sqrt(xx + yy);
-		reach = fmin(wider, farther);
+		reach = light_smaller(wider, farther);
 	}
 	return reach;
 }
@@ -105,7 +108,7 @@ stilb_light_bounds light_bounds_within(const stilb_scene_light *light, double re
 		return bounds;
 	}
 	bounds.sphere = (stilb_sphere){light->position[0], light->position[1], light->position[2], INFINITY};
-	reach = fmin(reach, light_reach(light, 0.0));
+	reach = light_smaller(reach, light_reach(light, 0.0));
 	if (!(reach > 0.0)) {
 		bounds.sphere.radius = -1.0f;
 		return bounds;
@@ -117,7 +120,7 @@ stilb_light_bounds light_bounds_within(const stilb_scene_light *light, double re
 		reach = (double)INFINITY;
 	if (light->kind == STILB_SCENE_LIGHT_SPOT) {
 		double length = sqrt(dot3(light->direction, light->direction)), cosine = (double)light->cos_outer;
-		bounds_cone(&bounds, light, fmin(cosine, cosine / length), reach);
+		bounds_cone(&bounds, light, light_smaller(cosine, cosine / length), reach);
 	}
 	if (light->kind == STILB_SCENE_LIGHT_DISK || light->kind == STILB_SCENE_LIGHT_RECTANGLE)
 		bounds_cone(&bounds, light, 0.0, reach);

@@ -6,8 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HALF_SPACE_MAX 1e-4f /* cosines from minus this on are those of flat lights */
-#define HALF_SPACE_PULL 2e-5 /* share of the radius: more than cosines of flat lights are below 0 */
+#define HALF_SPACE_MAX 1e-4f       /* cosines from minus this on are those of flat lights */
+#define LIGHT_QUICK_GROWTH 1.00001 /* of a reach: more than light_bounds_within adds, but for what a place needs */
+#define HALF_SPACE_PULL 2e-5       /* share of the radius: more than cosines of flat lights are below 0 */
 
 void light_reaching_finish(struct light_scratch *scratch)
 {
@@ -16,6 +17,7 @@ void light_reaching_finish(struct light_scratch *scratch)
 	free(r->first_slice);
 	free(r->cones);
 	free(r->index);
+	free(r->number);
 	free(scratch->everywhere);
 	free(scratch->chunk_reaching);
 	*r = (light_reaching){0};
@@ -35,9 +37,11 @@ static bool reaching_reserve(struct light_scratch *scratch, uint32_t count)
 	r->first_slice = stilb_memory_alloc(2 * stride, sizeof *r->first_slice);
 	r->cones = stilb_memory_alloc(room, sizeof *r->cones);
 	r->index = stilb_memory_alloc(room, sizeof *r->index);
+	r->number = stilb_memory_alloc(room + LIGHT_LANES, sizeof *r->number);
 	scratch->everywhere = stilb_memory_alloc(room, sizeof *scratch->everywhere);
 	scratch->chunk_reaching = stilb_memory_alloc(2 * (size_t)chunks, sizeof *scratch->chunk_reaching);
-	if (!r->x || !r->first_slice || !r->cones || !r->index || !scratch->everywhere || !scratch->chunk_reaching) {
+	if (!r->x || !r->first_slice || !r->cones || !r->index || !r->number || !scratch->everywhere ||
+	    !scratch->chunk_reaching) {
 		light_reaching_finish(scratch);
 		return false;
 	}
@@ -51,84 +55,92 @@ static bool reaching_reserve(struct light_scratch *scratch, uint32_t count)
 	return true;
 }
 
-static double affine(const double row[4], const float p[3])
+static double size3(const float p[3])
 {
-	return row[0] * (double)p[0] + row[1] * (double)p[1] + row[2] * (double)p[2] + row[3];
+	return fabs((double)p[0]) + fabs((double)p[1]) + fabs((double)p[2]);
 }
 
-/* True if a sphere reaches between the outer planes. */
-static bool between(const light_planes *planes, uint32_t count, double across, double w, double radius)
+/* Four affine functions of a point. */
+static void affine(const light_four functions[4], const float p[3], light_four *out)
 {
-	return across * (double)planes->inverse[0] - w * (double)planes->offset[0] >= -radius &&
-	       across * (double)planes->inverse[count] - w * (double)planes->offset[count] <= radius;
+	*out = functions[3] + functions[0] * (double)p[0] + functions[1] * (double)p[1] + functions[2] * (double)p[2];
+}
+
+/* What is added to a radius, metres: covers the rounding of all that follows. */
+static double slack_of(const light_view *view, const float p[3], double radius)
+{
+	return LIGHT_RELATIVE * (view->growth * (size3(p) + radius) + view->reach);
+}
+
+/* True if a sphere reaches the space that the view shows. */
+static bool reaches_view(const light_view *view, const float p[3], double radius)
+{
+	light_four sides;
+	affine(view->sides, p, &sides);
+	double depth = view->depth[0] * (double)p[0] + view->depth[1] * (double)p[1] + view->depth[2] * (double)p[2];
+	return light_smaller(light_smaller(sides[0], sides[1]), light_smaller(sides[2], sides[3])) >= -radius &&
+	       depth + view->depth[3] >= -radius;
 }
 
 /* The first slice that ends at depth or beyond. */
-static uint32_t slice_ending(const light_view *view, float depth)
+static uint8_t slice_ending(const light_view *view, float depth)
 {
-	uint32_t low = 0, high = view->slices - 1;
-	while (low < high) {
-		uint32_t middle = (low + high) / 2;
-		if (view->far_z[middle] < depth)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low;
+	uint32_t before = 0;
+	for (uint32_t k = 0; k < view->slices; k++)
+		before += view->far_z[k] < depth;
+	return (uint8_t)before;
 }
 
 /* The last slice that begins at depth or before. */
-static uint32_t slice_beginning(const light_view *view, float depth)
+static uint8_t slice_beginning(const light_view *view, float depth)
 {
-	uint32_t low = 0, high = view->slices - 1;
-	while (low < high) {
-		uint32_t middle = (low + high + 1) / 2;
-		if (view->near_z[middle] > depth)
-			high = middle - 1;
-		else
-			low = middle;
-	}
-	return low;
+	uint32_t begun = 0;
+	for (uint32_t k = 1; k < view->slices; k++)
+		begun += view->near_z[k] <= depth;
+	return (uint8_t)begun;
 }
 
-static light_cone cone_of(const stilb_light_bounds *bounds, double slack)
+static light_cone cone_of(const light_view *view, const stilb_light_bounds *bounds, double slack)
 {
 	light_cone cone = {.some = bounds->cos_angle >= -HALF_SPACE_MAX};
 	if (!cone.some)
 		return cone;
-	double cosine = fmax((double)bounds->cos_angle, 0.0);
+	double cosine = light_larger((double)bounds->cos_angle, 0.0);
 	double pull = bounds->cos_angle < 0.0f ? HALF_SPACE_PULL * (double)bounds->sphere.radius : 0.0;
 	cone.cosine = (float)cosine;
 	cone.sine = (float)sqrt(1.0 - cosine * cosine);
 	cone.slack = (float)slack;
 	for (int i = 0; i < 3; i++) {
 		cone.axis[i] = bounds->axis[i];
-		cone.apex[i] = (float)((double)bounds->apex[i] - (double)bounds->axis[i] * pull);
+		cone.base[i] = (float)(view->base[i] - (double)bounds->apex[i] + (double)bounds->axis[i] * pull);
 	}
 	return cone;
 }
 
-/* Stores a light with an end as number `at`. False: it does not reach the view. */
-static bool reaching_store(const light_view *view, light_reaching *r, uint32_t at, const stilb_light_bounds *bounds)
+/* Stores a light with an end as number `at`. */
+static void reaching_store(const light_view *view, light_reaching *r, uint32_t at, const stilb_light_bounds *bounds)
 {
 	const float p[3] = {bounds->sphere.x, bounds->sphere.y, bounds->sphere.z};
-	double place = fabs((double)p[0]) + fabs((double)p[1]) + fabs((double)p[2]);
-	double slack = LIGHT_RELATIVE * (view->growth * (place + (double)bounds->sphere.radius) + view->reach);
-	double radius = (double)bounds->sphere.radius + slack;
-	double x = affine(view->clip[0], p), y = affine(view->clip[1], p), w = affine(view->clip[2], p);
-	double depth = affine(view->depth, p);
-	if (depth < -radius || !between(&view->column_planes, view->columns, x, w, radius) ||
-	    !between(&view->row_planes, view->rows, y, w, radius))
-		return false;
-	r->x[at] = (float)x;
-	r->y[at] = (float)y;
-	r->w[at] = (float)w;
-	r->depth[at] = (float)depth;
-	r->radius[at] = (float)radius;
-	r->first_slice[at] = (uint8_t)slice_ending(view, (float)(depth - radius));
-	r->last_slice[at] = (uint8_t)slice_beginning(view, (float)(depth + radius));
-	r->cones[at] = cone_of(bounds, slack);
-	return true;
+	double slack = slack_of(view, p, (double)bounds->sphere.radius);
+	float radius = (float)((double)bounds->sphere.radius + slack);
+	light_four clip;
+	affine(view->functions, p, &clip);
+	r->x[at] = (float)clip[0];
+	r->y[at] = (float)clip[1];
+	r->w[at] = (float)clip[2];
+	r->depth[at] = (float)clip[3];
+	r->radius[at] = radius;
+	r->first_slice[at] = slice_ending(view, (float)clip[3] - radius);
+	r->last_slice[at] = slice_beginning(view, (float)clip[3] + radius);
+	r->cones[at] = cone_of(view, bounds, slack);
+}
+
+/* False if a light with a place cannot reach the view: a quick test, without its cone. */
+static bool may_reach(const light_build *build, const stilb_scene_light *light, double reach)
+{
+	const light_view *view = &build->scratch->view;
+	double radius = reach * LIGHT_QUICK_GROWTH;
+	return reaches_view(view, light->position, radius + 2.0 * slack_of(view, light->position, radius));
 }
 
 /* Sorts the candidates of chunks begin .. end - 1; each chunk's results begin where its candidates do. */
@@ -138,21 +150,30 @@ static void light_job_reaching(uint32_t begin, uint32_t end, uint32_t worker, vo
 	(void)worker;
 	const light_build *build = context;
 	struct light_scratch *scratch = build->scratch;
+	const light_view *view = &scratch->view;
 	for (uint32_t chunk = begin; chunk < end; chunk++) {
 		uint32_t first = chunk * LIGHT_CHUNK, at = first, everywhere = first;
 		uint32_t last = build->count - first < LIGHT_CHUNK ? build->count : first + LIGHT_CHUNK;
 		for (uint32_t i = first; i < last; i++) {
 			uint32_t index = build->candidates ? build->candidates[i] : i;
 			const stilb_scene_light *light = &build->lights[index];
+			double reach = (double)INFINITY;
 			if (light->use == STILB_SCENE_LIGHT_BAKED)
 				continue;
-			double reach = light->kind == STILB_SCENE_LIGHT_DIRECTIONAL ? 0.0 : light_reach(light, build->irradiance);
+			if (light->kind != STILB_SCENE_LIGHT_DIRECTIONAL) {
+				reach = light_reach(light, build->irradiance);
+				if (!may_reach(build, light, reach))
+					continue;
+			}
 			stilb_light_bounds bounds = light_bounds_within(light, reach);
+			const float p[3] = {bounds.sphere.x, bounds.sphere.y, bounds.sphere.z};
 			if (bounds.sphere.radius < 0.0f)
 				continue;
 			if (isinf(bounds.sphere.radius)) {
 				scratch->everywhere[everywhere++] = index;
-			} else if (reaching_store(&scratch->view, &scratch->reaching, at, &bounds)) {
+			} else if (reaches_view(view, p,
+			                        (double)bounds.sphere.radius + slack_of(view, p, (double)bounds.sphere.radius))) {
+				reaching_store(view, &scratch->reaching, at, &bounds);
 				scratch->reaching.index[at++] = index;
 			}
 		}
@@ -200,10 +221,13 @@ stilb_result light_reaching_find(light_build *build)
 		        scratch->chunk_everywhere[chunk] * sizeof *scratch->everywhere);
 		everywhere += scratch->chunk_everywhere[chunk];
 	}
+	for (uint32_t i = 0; i < r->count; i++)
+		r->number[i] = i | (r->cones[i].some ? LIGHT_WITH_CONE : 0);
 	for (uint32_t i = r->count; i < r->count + LIGHT_LANES; i++) { /* what vectors read beyond them is in no slice */
 		r->x[i] = r->y[i] = r->w[i] = r->depth[i] = r->radius[i] = 0.0f;
 		r->first_slice[i] = UINT8_MAX;
 		r->last_slice[i] = 0;
+		r->number[i] = 0;
 	}
 	build->lists->everywhere_count = everywhere;
 	build->lists->light_count = everywhere + r->count;

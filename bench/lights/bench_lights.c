@@ -1,0 +1,56 @@
+/* The suite `lights`: which lights reach which cells of a view (engine/light), on one thread and on two, beside a test
+ * of as many spheres against a frustum. */
+#include "bench/harness/bench.h"
+#include "bench/lights/lights_cases.h"
+
+#define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
+
+static const bench_metric metrics[] = {
+	{"one", "ms", true, NULL},  {"two", "ms", true, NULL},     {"speedup", "x", false, NULL},
+	{"pairs", "", true, NULL},  {"pair", "ns", true, NULL},    {"peer", "ns", true, NULL},
+	{"ratio", "x", true, NULL}, {"memory", "MiB", true, NULL}, {"room", "x", true, NULL},
+};
+
+static const bench_case cases[] = {
+#define CASE(NAME, TITLE, LIGHTS) {.name = NAME, .title = TITLE, .metrics = metrics, .metric_count = COUNT(metrics)},
+	LIGHTS_CASES(CASE)
+#undef CASE
+};
+
+static const bench_subject subjects[] = {
+	{.name = "stilb",
+     .program = "stilb-bench-lights",
+     .note = "1920 x 1080 pixels, tiles of 32, 24 slices; one, two: a build by one thread and by two, by the clock; "
+             "pairs: of light and cell; pair: one over pairs; peer: a sphere against the six planes of a frustum, "
+             "eight at a time with AVX2, from arrays in memory, as many as there are pairs; ratio: pair / peer; "
+             "memory: of the lists; room: that over what they hold"},
+};
+
+#define RATIO_GOAL 2.0
+#define SPEEDUP_GOAL 1.8
+#define ROOM_GOAL 1.5
+
+static void print_goals(FILE *out, const bench_results *results)
+{
+	const bench_row *ratio = bench_find(results, "lists-10000", "stilb", "ratio");
+	const bench_row *speedup = bench_find(results, "lists-10000", "stilb", "speedup");
+	const bench_row *room = bench_find(results, "lists-10000", "stilb", "room");
+	fputc('\n', out);
+	if (ratio && speedup)
+		fprintf(out,
+		        "goal: lists of 10,000 lights take %.2f times as long as a stream of as many tests, %.1f: %s; two "
+		        "threads %.2f times as fast, %.1f: %s\n",
+		        ratio->median, RATIO_GOAL, ratio->median <= RATIO_GOAL ? "met" : "MISSED", speedup->median,
+		        SPEEDUP_GOAL, speedup->median >= SPEEDUP_GOAL ? "met" : "MISSED");
+	if (room)
+		fprintf(out, "goal: lists have %.2f times the memory of what they hold, %.1f: %s\n", room->median, ROOM_GOAL,
+		        room->median <= ROOM_GOAL ? "met" : "MISSED");
+}
+
+const bench_suite bench_lights_suite = {.name = "lights",
+                                        .help = "lists of the lights that reach each part of a view",
+                                        .subjects = subjects,
+                                        .subject_count = COUNT(subjects),
+                                        .cases = cases,
+                                        .case_count = COUNT(cases),
+                                        .goals = print_goals};
