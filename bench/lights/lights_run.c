@@ -26,13 +26,14 @@ static float draw(uint32_t light, uint32_t number, float low, float high)
 	return low + (high - low) * stilb_random_float(24, 8 * (uint64_t)light + number);
 }
 
-/* Lamps evenly in a box that begins before the camera, every fourth a spot that shines down. */
-static void fill_box(stilb_scene_light *lights, uint32_t count, float width, float height, float depth, float reach)
+/* Lamps evenly in a box that begins before the camera; every fourth is a spot that shines down, or none is. */
+static void fill_box(stilb_scene_light *lights, uint32_t count, float width, float height, float depth, float reach,
+                     bool spots)
 {
 	for (uint32_t i = 0; i < count; i++) {
 		stilb_scene_light *light = &lights[i];
 		*light = (stilb_scene_light){
-			.kind = i % 4 == 3 ? STILB_SCENE_LIGHT_SPOT : STILB_SCENE_LIGHT_POINT,
+			.kind = spots && i % 4 == 3 ? STILB_SCENE_LIGHT_SPOT : STILB_SCENE_LIGHT_POINT,
 			.position = {draw(i, 0, -0.5f * width, 0.5f * width), draw(i, 1, 0.0f, height), draw(i, 2, -depth, 2.0f)},
 			.direction = {0.0f, -1.0f, 0.0f},
 			.intensity = {draw(i, 3, 1.0f, 5.0f), draw(i, 4, 1.0f, 5.0f), draw(i, 5, 1.0f, 5.0f)},
@@ -47,10 +48,9 @@ static void fill_box(stilb_scene_light *lights, uint32_t count, float width, flo
 /* Bulbs on five strings across a garden. */
 static void fill_strings(stilb_scene_light *lights, uint32_t count)
 {
-	fill_box(lights, count, 12.0f, 3.0f, 12.0f, 1.5f);
+	fill_box(lights, count, 12.0f, 3.0f, 12.0f, 1.5f, false);
 	for (uint32_t i = 0; i < count; i++) {
 		float along = (float)(i / 5) / (float)(count / 5) - 0.5f;
-		lights[i].kind = STILB_SCENE_LIGHT_POINT;
 		lights[i].position[0] = 12.0f * along;
 		lights[i].position[1] = 2.0f + 4.0f * along * along;
 		lights[i].position[2] = -2.0f * (float)(i % 5) - 2.0f;
@@ -61,15 +61,15 @@ static stilb_light_grid fill(stilb_scene_light *lights, uint32_t count)
 {
 	float last = 50.0f;
 	if (count == 18) {
-		fill_box(lights, count, 8.0f, 3.0f, 8.0f, 5.0f);
+		fill_box(lights, count, 8.0f, 3.0f, 8.0f, 5.0f, true);
 	} else if (count == 230) {
 		fill_strings(lights, count);
 	} else if (count == 1000) {
-		fill_box(lights, count, 40.0f, 10.0f, 45.0f, 3.0f);
+		fill_box(lights, count, 40.0f, 10.0f, 45.0f, 3.0f, true);
 	} else if (count == 10000) {
-		fill_box(lights, count, 120.0f, 12.0f, 120.0f, 3.0f);
+		fill_box(lights, count, 120.0f, 12.0f, 120.0f, 3.0f, false);
 	} else {
-		fill_box(lights, count, 1000.0f, 30.0f, 1000.0f, 8.0f);
+		fill_box(lights, count, 1000.0f, 30.0f, 1000.0f, 8.0f, true);
 		last = 400.0f;
 	}
 	stilb_mat4 view = stilb_mat4_view(stilb_vec3_make(0.0f, 1.7f, 0.0f), 0.1f, 0.05f);

@@ -68,7 +68,9 @@ static void light_job_lists(uint32_t begin, uint32_t end, uint32_t worker, void 
 	const struct light_scratch *scratch = build->scratch;
 	stilb_light_lists *lists = build->lists;
 	const light_view *view = &scratch->view;
-	for (uint32_t number = begin; number < end; number++) {
+	uint32_t count = light_bands(view) * view->slices;
+	for (uint32_t i = begin; i < end; i++) {
+		uint32_t number = count - 1 - i; /* in about the order in which they were made */
 		const light_band *band = &scratch->bands[number];
 		uint32_t slice = number / light_bands(view), first = light_band_row(view, number % light_bands(view));
 		uint32_t last = light_band_row(view, number % light_bands(view) + 1), id = (uint32_t)band->first_id;
@@ -78,6 +80,7 @@ static void light_job_lists(uint32_t begin, uint32_t end, uint32_t worker, void 
 			for (uint32_t c = 0; c < view->columns; c++) {
 				uint32_t length = cursors[c];
 				cursors[c] = starts[c] = id;
+				__builtin_prefetch(lists->ids + id, 1);
 				id += length;
 			}
 			row_fill(&band->rows[r - first], cursors, lists->ids);

@@ -229,6 +229,27 @@ static uint32_t avx2_spans(const light_slab *slab, const light_picked *picked, u
 	return count;
 }
 
+static void avx2_slices(const light_depths *depths, const float *depth, const float *radius, uint32_t count,
+                        uint8_t *first, uint8_t *last)
+{
+	for (uint32_t i = 0; i < count; i += LANES) {
+		__m256 at = _mm256_loadu_ps(depth + i), reach = _mm256_loadu_ps(radius + i);
+		__m256 from = _mm256_sub_ps(at, reach), to = _mm256_add_ps(at, reach);
+		__m256i ended = _mm256_setzero_si256(), begun = ended;
+		for (uint32_t k = 0; k + 1 < depths->count; k++) { /* a comparison that holds is -1 */
+			__m256 before = _mm256_cmp_ps(avx2_set(depths->far_z[k]), from, _CMP_LT_OQ);
+			__m256 behind = _mm256_cmp_ps(avx2_set(depths->near_z[k + 1]), to, _CMP_LE_OQ);
+			ended = _mm256_sub_epi32(ended, _mm256_castps_si256(before));
+			begun = _mm256_sub_epi32(begun, _mm256_castps_si256(behind));
+		}
+		__m256i zero = _mm256_setzero_si256();
+		__m256i words = _mm256_permute4x64_epi64(_mm256_packus_epi32(ended, begun), 0xd8);
+		__m256i bytes = _mm256_permute4x64_epi64(_mm256_packus_epi16(words, zero), 0x08);
+		_mm_storel_epi64((__m128i *)(first + i), _mm256_castsi256_si128(bytes));
+		_mm_storel_epi64((__m128i *)(last + i), _mm_srli_si128(_mm256_castsi256_si128(bytes), 8));
+	}
+}
+
 static __m256 avx2_dot(const __m256 a[3], const float b[3])
 {
 	__m256 sum = _mm256_add_ps(_mm256_mul_ps(a[0], avx2_set(b[0])), _mm256_mul_ps(a[1], avx2_set(b[1])));
@@ -241,8 +262,14 @@ static __m256 avx2_least(__m256 a, __m256 b, __m256 c)
 	return _mm256_min_ps(_mm256_mul_ps(b, a), _mm256_mul_ps(c, a));
 }
 
+/* So many bits, from bit 0 on. */
+static uint32_t avx2_low_bits(uint32_t count)
+{
+	return count < LANES ? (1u << count) - 1 : 0xffu;
+}
+
 /* Which of the columns from `column` on meet the cone. */
-static uint32_t avx2_cone_meets(const light_cone_row *row, uint32_t column)
+static inline uint32_t avx2_cone_meets(const light_cone_row *row, uint32_t column)
 {
 	const light_rays *rays = row->rays;
 	const light_cone *cone = row->cone;
@@ -268,19 +295,26 @@ static uint32_t avx2_cone_meets(const light_cone_row *row, uint32_t column)
 
 light_span light_trim_avx2(const light_cone_row *row, light_span span)
 {
-	light_span out = LIGHT_SPAN_NONE;
-	for (uint32_t c = span.first; c <= span.last; c += LANES) {
-		uint32_t left = span.last + 1u - c, in = avx2_cone_meets(row, c) & (left < LANES ? (1u << left) - 1 : 0xffu);
-		if (in == 0)
-			continue;
-		if (out.first > out.last)
-			out.first = (uint16_t)(c + (uint32_t)__builtin_ctz(in));
-		out.last = (uint16_t)(c + 31 - (uint32_t)__builtin_clz(in));
+	uint32_t first = span.first, end = span.last + 1u, in = 0;
+	for (; first < end && in == 0; first += LANES)
+		in = avx2_cone_meets(row, first) & avx2_low_bits(end - first);
+	if (in == 0)
+		return LIGHT_SPAN_NONE;
+	if (first >= end) /* the lanes that it began with were the last ones */
+		return (light_span){(uint16_t)(first - LANES + (uint32_t)__builtin_ctz(in)),
+		                    (uint16_t)(first - LANES + 31 - (uint32_t)__builtin_clz(in))};
+	first += (uint32_t)__builtin_ctz(in) - LANES;
+	for (in = 0; in == 0; end -= LANES) { /* ends at `first` at the latest; lanes before it do not matter */
+		uint32_t at = end - first < LANES ? first : end - LANES;
+		in = avx2_cone_meets(row, at) & avx2_low_bits(end - at);
+		if (in != 0)
+			return (light_span){(uint16_t)first, (uint16_t)(at + 31 - (uint32_t)__builtin_clz(in))};
 	}
-	return out;
+	return LIGHT_SPAN_NONE;
 }
 
 const light_kernels light_kernels_avx2 = {
+	.slices = avx2_slices,
 	.pick = avx2_pick,
 	.narrow = avx2_narrow,
 	.spans = avx2_spans,

@@ -29,6 +29,25 @@ static __m512 avx512_beyond(__m512 y, __m512 w, const light_planes *rows, uint32
 	return _mm512_max_ps(_mm512_max_ps(below, above), _mm512_setzero_ps());
 }
 
+static void avx512_slices(const light_depths *depths, const float *depth, const float *radius, uint32_t count,
+                          uint8_t *first, uint8_t *last)
+{
+	const __m512i one = _mm512_set1_epi32(1);
+	for (uint32_t i = 0; i < count; i += LANES) {
+		__m512 at = _mm512_loadu_ps(depth + i), reach = _mm512_loadu_ps(radius + i);
+		__m512 from = _mm512_sub_ps(at, reach), to = _mm512_add_ps(at, reach);
+		__m512i ended = _mm512_setzero_si512(), begun = ended;
+		for (uint32_t k = 0; k + 1 < depths->count; k++) {
+			__mmask16 before = _mm512_cmp_ps_mask(avx512_set(depths->far_z[k]), from, _CMP_LT_OQ);
+			__mmask16 behind = _mm512_cmp_ps_mask(avx512_set(depths->near_z[k + 1]), to, _CMP_LE_OQ);
+			ended = _mm512_mask_add_epi32(ended, before, ended, one);
+			begun = _mm512_mask_add_epi32(begun, behind, begun, one);
+		}
+		_mm_storeu_si128((__m128i *)(first + i), _mm512_cvtepi32_epi8(ended));
+		_mm_storeu_si128((__m128i *)(last + i), _mm512_cvtepi32_epi8(begun));
+	}
+}
+
 /* Stores the lanes of the mask side by side. */
 static void avx512_keep(light_picked *to, uint32_t at, __mmask16 in, __m512 x, __m512 y, __m512 w, __m512 square,
                         __m512i number)
@@ -199,6 +218,7 @@ static uint32_t avx512_spans(const light_slab *slab, const light_picked *picked,
 }
 
 const light_kernels light_kernels_avx512 = {
+	.slices = avx512_slices,
 	.pick = avx512_pick,
 	.narrow = avx512_narrow,
 	.spans = avx512_spans,

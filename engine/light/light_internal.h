@@ -17,7 +17,11 @@ static inline double light_smaller(double a, double b)
 
 #define LIGHT_RELATIVE 0x1p-20 /* bound of the relative errors of float sums of some terms: 16 roundings */
 
-typedef double light_four __attribute__((vector_size(32)));
+/* Two vectors, as wide as the baseline has them. */
+typedef double light_two __attribute__((vector_size(16)));
+typedef struct light_four {
+	light_two low, high;
+} light_four;
 
 /* The cells of a view. */
 typedef struct light_view {
@@ -33,7 +37,7 @@ typedef struct light_view {
 	light_columns column_planes;
 	light_planes row_planes;
 	light_rays rays;
-	float near_z[STILB_LIGHT_SLICES_MAX], far_z[STILB_LIGHT_SLICES_MAX]; /* of each slice; the last ends at infinity */
+	light_depths depths;
 	float *memory;
 	size_t capacity; /* floats */
 } light_view;

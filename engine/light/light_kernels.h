@@ -41,6 +41,12 @@ typedef struct light_columns {
 	float scale, shift; /* column of n: n * scale + shift */
 } light_columns;
 
+/* Depths between which slices lie, metres; the last one ends at infinity. */
+typedef struct light_depths {
+	float near_z[STILB_LIGHT_SLICES_MAX], far_z[STILB_LIGHT_SLICES_MAX];
+	uint32_t count;
+} light_depths;
+
 /* A slice of the view. */
 typedef struct light_slab {
 	const light_planes *rows;
@@ -99,6 +105,9 @@ typedef struct light_span {
 #define LIGHT_SPAN_NONE ((light_span){1, 0})
 
 typedef struct light_kernels {
+	/* The first and the last slice that lights reach. Arrays are as long as the next multiple of LIGHT_LANES. */
+	void (*slices)(const light_depths *depths, const float *depth, const float *radius, uint32_t count, uint8_t *first,
+	               uint8_t *last);
 	/* Adds the chunk's lights that reach the slice, and the rows first_row .. end_row - 1, in their order. */
 	void (*pick)(const light_slab *slab, uint32_t first_row, uint32_t end_row, const light_chunk *chunk,
 	             light_picked *picked);

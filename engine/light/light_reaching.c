@@ -61,9 +61,15 @@ static double size3(const float p[3])
 }
 
 /* Four affine functions of a point. */
-static void affine(const light_four functions[4], const float p[3], light_four *out)
+static light_four affine(const light_four functions[4], const float p[3])
 {
-	*out = functions[3] + functions[0] * (double)p[0] + functions[1] * (double)p[1] + functions[2] * (double)p[2];
+	light_four sum = functions[3];
+	for (int k = 0; k < 3; k++) {
+		light_two factor = {(double)p[k], (double)p[k]};
+		sum.low += functions[k].low * factor;
+		sum.high += functions[k].high * factor;
+	}
+	return sum;
 }
 
 /* What is added to a radius, metres: covers the rounding of all that follows. */
@@ -75,29 +81,11 @@ static double slack_of(const light_view *view, const float p[3], double radius)
 /* True if a sphere reaches the space that the view shows. */
 static bool reaches_view(const light_view *view, const float p[3], double radius)
 {
-	light_four sides;
-	affine(view->sides, p, &sides);
+	light_four sides = affine(view->sides, p);
 	double depth = view->depth[0] * (double)p[0] + view->depth[1] * (double)p[1] + view->depth[2] * (double)p[2];
-	return light_smaller(light_smaller(sides[0], sides[1]), light_smaller(sides[2], sides[3])) >= -radius &&
+	return light_smaller(light_smaller(sides.low[0], sides.low[1]), light_smaller(sides.high[0], sides.high[1])) >=
+	           -radius &&
 	       depth + view->depth[3] >= -radius;
-}
-
-/* The first slice that ends at depth or beyond. */
-static uint8_t slice_ending(const light_view *view, float depth)
-{
-	uint32_t before = 0;
-	for (uint32_t k = 0; k < view->slices; k++)
-		before += view->far_z[k] < depth;
-	return (uint8_t)before;
-}
-
-/* The last slice that begins at depth or before. */
-static uint8_t slice_beginning(const light_view *view, float depth)
-{
-	uint32_t begun = 0;
-	for (uint32_t k = 1; k < view->slices; k++)
-		begun += view->near_z[k] <= depth;
-	return (uint8_t)begun;
 }
 
 static light_cone cone_of(const light_view *view, const stilb_light_bounds *bounds, double slack)
@@ -122,16 +110,12 @@ static void reaching_store(const light_view *view, light_reaching *r, uint32_t a
 {
 	const float p[3] = {bounds->sphere.x, bounds->sphere.y, bounds->sphere.z};
 	double slack = slack_of(view, p, (double)bounds->sphere.radius);
-	float radius = (float)((double)bounds->sphere.radius + slack);
-	light_four clip;
-	affine(view->functions, p, &clip);
-	r->x[at] = (float)clip[0];
-	r->y[at] = (float)clip[1];
-	r->w[at] = (float)clip[2];
-	r->depth[at] = (float)clip[3];
-	r->radius[at] = radius;
-	r->first_slice[at] = slice_ending(view, (float)clip[3] - radius);
-	r->last_slice[at] = slice_beginning(view, (float)clip[3] + radius);
+	light_four clip = affine(view->functions, p);
+	r->x[at] = (float)clip.low[0];
+	r->y[at] = (float)clip.low[1];
+	r->w[at] = (float)clip.high[0];
+	r->depth[at] = (float)clip.high[1];
+	r->radius[at] = (float)((double)bounds->sphere.radius + slack);
 	r->cones[at] = cone_of(view, bounds, slack);
 }
 
@@ -143,6 +127,26 @@ static bool may_reach(const light_build *build, const stilb_scene_light *light, 
 	return reaches_view(view, light->position, radius + 2.0 * slack_of(view, light->position, radius));
 }
 
+/* What the light reaches of the view, but for what ends in `reach`. False: nothing. */
+static bool light_reaches(const light_build *build, const stilb_scene_light *light, stilb_light_bounds *bounds)
+{
+	const light_view *view = &build->scratch->view;
+	double reach = (double)INFINITY;
+	if (light->use == STILB_SCENE_LIGHT_BAKED)
+		return false;
+	if (light->kind != STILB_SCENE_LIGHT_DIRECTIONAL) {
+		reach = light_reach(light, build->irradiance);
+		if (!may_reach(build, light, reach))
+			return false;
+	}
+	*bounds = light_bounds_within(light, reach);
+	if (bounds->cos_angle <= -1.0f || isinf(bounds->sphere.radius))
+		return bounds->sphere.radius >= 0.0f;
+	const float p[3] = {bounds->sphere.x, bounds->sphere.y, bounds->sphere.z};
+	double radius = (double)bounds->sphere.radius;
+	return reaches_view(view, p, radius + slack_of(view, p, radius)); /* the cone has made the sphere smaller */
+}
+
 /* Sorts the candidates of chunks begin .. end - 1; each chunk's results begin where its candidates do. */
 static void light_job_reaching(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
@@ -150,33 +154,24 @@ static void light_job_reaching(uint32_t begin, uint32_t end, uint32_t worker, vo
 	(void)worker;
 	const light_build *build = context;
 	struct light_scratch *scratch = build->scratch;
-	const light_view *view = &scratch->view;
+	light_reaching *r = &scratch->reaching;
 	for (uint32_t chunk = begin; chunk < end; chunk++) {
 		uint32_t first = chunk * LIGHT_CHUNK, at = first, everywhere = first;
 		uint32_t last = build->count - first < LIGHT_CHUNK ? build->count : first + LIGHT_CHUNK;
 		for (uint32_t i = first; i < last; i++) {
 			uint32_t index = build->candidates ? build->candidates[i] : i;
-			const stilb_scene_light *light = &build->lights[index];
-			double reach = (double)INFINITY;
-			if (light->use == STILB_SCENE_LIGHT_BAKED)
-				continue;
-			if (light->kind != STILB_SCENE_LIGHT_DIRECTIONAL) {
-				reach = light_reach(light, build->irradiance);
-				if (!may_reach(build, light, reach))
-					continue;
-			}
-			stilb_light_bounds bounds = light_bounds_within(light, reach);
-			const float p[3] = {bounds.sphere.x, bounds.sphere.y, bounds.sphere.z};
-			if (bounds.sphere.radius < 0.0f)
+			stilb_light_bounds bounds;
+			if (!light_reaches(build, &build->lights[index], &bounds))
 				continue;
 			if (isinf(bounds.sphere.radius)) {
 				scratch->everywhere[everywhere++] = index;
-			} else if (reaches_view(view, p,
-			                        (double)bounds.sphere.radius + slack_of(view, p, (double)bounds.sphere.radius))) {
-				reaching_store(view, &scratch->reaching, at, &bounds);
-				scratch->reaching.index[at++] = index;
+			} else {
+				reaching_store(&scratch->view, r, at, &bounds);
+				r->index[at++] = index;
 			}
 		}
+		scratch->kernels->slices(&scratch->view.depths, r->depth + first, r->radius + first, at - first,
+		                         r->first_slice + first, r->last_slice + first);
 		scratch->chunk_reaching[chunk] = at - first;
 		scratch->chunk_everywhere[chunk] = everywhere - first;
 	}

@@ -1,6 +1,21 @@
 /* The innermost loops in plain C: the reference for the others. */
 #include "light/light_scalar.h"
 
+static void scalar_slices(const light_depths *depths, const float *depth, const float *radius, uint32_t count,
+                          uint8_t *first, uint8_t *last)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		float from = depth[i] - radius[i], to = depth[i] + radius[i];
+		uint32_t ended = 0, begun = 0;
+		for (uint32_t k = 0; k + 1 < depths->count; k++) {
+			ended += depths->far_z[k] < from;
+			begun += depths->near_z[k + 1] <= to;
+		}
+		first[i] = (uint8_t)ended;
+		last[i] = (uint8_t)begun;
+	}
+}
+
 static void scalar_pick(const light_slab *slab, uint32_t first_row, uint32_t end_row, const light_chunk *chunk,
                         light_picked *picked)
 {
@@ -43,6 +58,7 @@ static light_span scalar_trim(const light_cone_row *row, light_span span)
 }
 
 const light_kernels light_kernels_scalar = {
+	.slices = scalar_slices,
 	.pick = scalar_pick,
 	.narrow = scalar_narrow,
 	.spans = scalar_spans,

@@ -154,7 +154,7 @@ typedef struct light_unit {
 static light_unit unit_at(const struct light_scratch *scratch, uint32_t number)
 {
 	uint32_t units = light_units(&scratch->view), bands = light_bands(&scratch->view);
-	uint32_t slice = number / units, unit = number % units;
+	uint32_t slice = scratch->view.slices - 1 - number / units, unit = number % units; /* the last have most lights */
 	return (light_unit){.slice = slice,
 	                    .first_band = unit * bands / units,
 	                    .end_band = (unit + 1) * bands / units,
@@ -181,8 +181,8 @@ static bool unit_find(const struct light_scratch *scratch, const light_unit *uni
 	light_slab slab = {.rows = &view->row_planes,
 	                   .columns = &view->column_planes,
 	                   .slice = unit->slice,
-	                   .near_z = view->near_z[unit->slice],
-	                   .far_z = view->far_z[unit->slice],
+	                   .near_z = view->depths.near_z[unit->slice],
+	                   .far_z = view->depths.far_z[unit->slice],
 	                   .along = {view->along[0], view->along[1], view->along[2]}};
 	uint32_t first_row = light_band_row(view, unit->first_band), end_row = light_band_row(view, unit->end_band);
 	light_picked picked;

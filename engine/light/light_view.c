@@ -139,14 +139,14 @@ static void view_functions(light_view *view)
 	const light_planes *planes[2] = {&view->column_planes.planes, &view->row_planes};
 	const uint32_t counts[2] = {view->columns, view->rows};
 	for (int k = 0; k < 4; k++) {
-		view->functions[k] = (light_four){view->clip[0][k], view->clip[1][k], view->clip[2][k], view->depth[k]};
+		view->functions[k].low = (light_two){view->clip[0][k], view->clip[1][k]};
+		view->functions[k].high = (light_two){view->clip[2][k], view->depth[k]};
 		for (int axis = 0; axis < 2; axis++) {
 			double low = view->clip[axis][k] * (double)planes[axis]->inverse[0];
 			double high = view->clip[axis][k] * (double)planes[axis]->inverse[counts[axis]];
 			low -= view->clip[2][k] * (double)planes[axis]->offset[0];
 			high -= view->clip[2][k] * (double)planes[axis]->offset[counts[axis]];
-			view->sides[k][2 * axis] = low;
-			view->sides[k][2 * axis + 1] = -high;
+			*(axis == 0 ? &view->sides[k].low : &view->sides[k].high) = (light_two){low, -high};
 		}
 	}
 }
@@ -176,15 +176,16 @@ static void view_slices(light_view *view, const stilb_light_grid *grid, stilb_li
 	}
 	lists->slice_scale = (float)scale;
 	lists->slice_bias = (float)bias;
-	view->near_z[0] = 0.0f;
+	view->depths.count = view->slices;
+	view->depths.near_z[0] = 0.0f;
 	for (uint32_t k = 1; k < view->slices; k++) {
 		double power = ((double)k - (double)lists->slice_bias) / (double)lists->slice_scale;
 		double slip = LIGHT_RELATIVE * (1.0 + fabs(power)) +
 		              LIGHT_RELATIVE * ((double)k + fabs((double)lists->slice_bias)) / (double)lists->slice_scale;
-		view->near_z[k] = (float)(exp2(power - slip) * (1.0 - LIGHT_RELATIVE));
-		view->far_z[k - 1] = (float)(exp2(power + slip) * (1.0 + LIGHT_RELATIVE));
+		view->depths.near_z[k] = (float)(exp2(power - slip) * (1.0 - LIGHT_RELATIVE));
+		view->depths.far_z[k - 1] = (float)(exp2(power + slip) * (1.0 + LIGHT_RELATIVE));
 	}
-	view->far_z[view->slices - 1] = INFINITY;
+	view->depths.far_z[view->slices - 1] = INFINITY;
 }
 
 /* The arrays of the planes. */
