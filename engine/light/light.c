@@ -45,16 +45,17 @@ static bool lists_reserve(uint32_t **array, uint32_t *capacity, uint64_t count)
 }
 
 /* Appends each light to the lists of its cells: cursors are the places in ids where each column's list goes on. */
-static void row_fill(const light_row *row, uint32_t *restrict cursors, uint32_t *restrict ids)
+static void row_fill(const light_row *row, const light_found *restrict chunks, uint32_t *restrict cursors,
+                     uint32_t *restrict ids)
 {
 	const uint32_t *restrict numbers = row->numbers;
 	const light_span *restrict spans = row->spans;
 	for (uint32_t i = 0; i < row->count; i++) {
-		uint32_t number = numbers[i], end = spans[i].last + 1u;
+		uint32_t id = numbers[i] - chunks[numbers[i] / LIGHT_CHUNK].gap, end = spans[i].last + 1u;
 		for (uint32_t c = spans[i].first; c < end; c++) {
 			uint32_t at = cursors[c];
 			cursors[c] = at + 1;
-			ids[at] = number;
+			ids[at] = id;
 		}
 	}
 }
@@ -83,7 +84,7 @@ static void light_job_lists(uint32_t begin, uint32_t end, uint32_t worker, void 
 				__builtin_prefetch(lists->ids + id, 1);
 				id += length;
 			}
-			row_fill(&band->rows[r - first], cursors, lists->ids);
+			row_fill(&band->rows[r - first], scratch->reaching.chunks, cursors, lists->ids);
 		}
 		STILB_ASSERT(id == band->first_id + band->id_count);
 	}
@@ -110,33 +111,36 @@ static stilb_result build_find(light_build *build, double irradiance, uint64_t *
 }
 
 /* Lamps whose light does not end. */
-static uint32_t build_endless(const light_build *build)
+static uint64_t build_endless(const light_build *build)
 {
-	uint32_t endless = 0;
-	for (uint32_t i = 0; i < build->lists->everywhere_count; i++)
-		endless += build->lights[build->scratch->everywhere[i]].kind != STILB_SCENE_LIGHT_DIRECTIONAL;
+	const light_reaching *r = &build->scratch->reaching;
+	uint64_t endless = 0;
+	for (uint32_t c = 0; c < r->chunk_count; c++)
+		for (uint32_t i = 0; i < r->chunks[c].everywhere_count; i++) {
+			uint32_t index = r->everywhere[c * LIGHT_CHUNK + i];
+			endless += build->lights[index].kind != STILB_SCENE_LIGHT_DIRECTIONAL;
+		}
 	return endless;
 }
 
 /* With a tolerance, the lists without one say how many lights a cell has at most, and each may send as large a part of
  * it where it is left out. */
-static stilb_result build_masks(light_build *build, uint64_t *pairs)
+static stilb_result build_spans(light_build *build, uint64_t *pairs)
 {
 	const stilb_light_grid *grid = build->grid;
-	uint64_t all = 0;
+	stilb_light_lists *lists = build->lists;
+	uint64_t cells = (uint64_t)lists->columns * lists->rows * lists->slices;
 	uint32_t longest;
-	stilb_result result = build_find(build, 0.0, &all, &longest);
-	*pairs = all;
+	stilb_result result = build_find(build, 0.0, pairs, &longest);
 	if (result != STILB_OK || !(grid->tolerance > 0.0f))
 		return result;
-	uint64_t endless = build_endless(build), most = longest + endless;
+	uint64_t endless = build_endless(build), most = longest + endless, all = *pairs + endless * cells;
 	if (most == 0)
 		return STILB_OK;
-	all += endless * build->lists->columns * build->lists->rows * build->lists->slices;
 	double share = (double)grid->tolerance / ((double)grid->peak * (double)most);
 	result = build_find(build, share, pairs, &longest);
-	all -= *pairs + (uint64_t)build_endless(build) * build->lists->columns * build->lists->rows * build->lists->slices;
-	build->lists->left_out = all < UINT32_MAX ? (uint32_t)all : UINT32_MAX;
+	uint64_t kept = *pairs + build_endless(build) * cells, left_out = all > kept ? all - kept : 0;
+	lists->left_out = left_out < UINT32_MAX ? (uint32_t)left_out : UINT32_MAX;
 	return result;
 }
 
@@ -145,17 +149,24 @@ static stilb_result build_write(light_build *build, uint64_t pairs)
 {
 	struct light_scratch *scratch = build->scratch;
 	stilb_light_lists *lists = build->lists;
+	const light_reaching *r = &scratch->reaching;
+	lists->everywhere_count = r->everywhere_count;
+	lists->light_count = r->everywhere_count + r->count;
 	uint64_t cells = (uint64_t)lists->columns * lists->rows * lists->slices;
 	if (!lists_reserve(&lists->lights, &scratch->light_capacity, lists->light_count) ||
-	    !lists_reserve(&lists->starts, &scratch->start_capacity, cells + 1) ||
+	    !lists_reserve(&lists->starts, &scratch->start_capacity, cells + 1) || pairs > UINT32_MAX ||
 	    !lists_reserve(&lists->ids, &scratch->id_capacity, pairs))
 		return stilb_fail(STILB_ERROR_MEMORY, "light lists: no memory for %llu pairs of light and cell",
 		                  (unsigned long long)pairs);
 	lists->id_count = (uint32_t)pairs;
 	lists->starts[cells] = (uint32_t)pairs;
-	memcpy(lists->lights, scratch->everywhere, lists->everywhere_count * sizeof *lists->lights);
-	memcpy(lists->lights + lists->everywhere_count, scratch->reaching.index,
-	       scratch->reaching.count * sizeof *lists->lights);
+	uint32_t *own = lists->lights + lists->everywhere_count, *everywhere = lists->lights;
+	for (uint32_t c = 0; c < r->chunk_count; c++) {
+		size_t first = (size_t)c * LIGHT_CHUNK;
+		memcpy(own + first - r->chunks[c].gap, r->index + first, r->chunks[c].count * sizeof *own);
+		memcpy(everywhere, r->everywhere + first, r->chunks[c].everywhere_count * sizeof *everywhere);
+		everywhere += r->chunks[c].everywhere_count;
+	}
 	light_spread(build, light_bands(&scratch->view) * lists->slices, light_job_lists);
 	return STILB_OK;
 }
@@ -173,9 +184,10 @@ static stilb_result scratch_make(stilb_light_lists *lists)
 	stilb_result result = stilb_cpu_isa(&isa);
 	if (result != STILB_OK)
 		return result;
-	lists->scratch = calloc(1, sizeof *lists->scratch);
+	lists->scratch = stilb_memory_alloc(1, sizeof *lists->scratch);
 	if (!lists->scratch)
 		return stilb_fail(STILB_ERROR_MEMORY, "light lists: no memory");
+	memset(lists->scratch, 0, sizeof *lists->scratch);
 	lists->scratch->kernels = light_kernels_for(isa);
 	lists->scratch->serial_below = LIGHT_SERIAL_BELOW;
 	return STILB_OK;
@@ -186,7 +198,8 @@ stilb_result stilb_light_lists_build(stilb_light_lists *lists, const stilb_light
                                      uint32_t candidate_count, stilb_job_pool *pool, uint32_t worker)
 {
 	PROFILE("light");
-	STILB_ASSERT(lists && grid && (lights || count == 0));
+	STILB_ASSERT(lists && grid);
+	STILB_ASSERT(lights || count == 0);
 	STILB_ASSERT(!pool || worker <= stilb_job_pool_worker_count(pool));
 	light_build build = {.lists = lists,
 	                     .grid = grid,
@@ -202,7 +215,7 @@ stilb_result stilb_light_lists_build(stilb_light_lists *lists, const stilb_light
 	if (result == STILB_OK)
 		result = light_view_make(&build.scratch->view, grid, lists);
 	if (result == STILB_OK)
-		result = build_masks(&build, &pairs);
+		result = build_spans(&build, &pairs);
 	if (result == STILB_OK)
 		result = build_write(&build, pairs);
 	if (result != STILB_OK)
@@ -216,7 +229,7 @@ void stilb_light_lists_finish(stilb_light_lists *lists)
 		return;
 	if (lists->scratch) {
 		light_view_finish(&lists->scratch->view);
-		light_reaching_finish(lists->scratch);
+		light_reaching_finish(&lists->scratch->reaching);
 		light_bands_finish(lists->scratch);
 	}
 	free(lists->scratch);

@@ -6,14 +6,23 @@
 
 #include <stdatomic.h>
 
-/* Lights that reach a part of the view, an array for each component, in the scene's order. */
+/* What is found of a chunk of candidates. */
+typedef struct light_found {
+	uint32_t count, everywhere_count; /* lights that reach a part of the view, and all of it */
+	uint32_t gap;                     /* places of the chunks before it that are empty */
+} light_found;
+
+/* Lights that reach a part of the view, an array for each component, in the scene's order. Candidates are worked on in
+ * chunks; what is found of a chunk stands from its first place on, with a gap behind it. */
 typedef struct light_reaching {
 	float *x, *y, *w, *depth, *radius; /* of the sphere: clip coordinates and depth of its centre; metres */
 	uint8_t *first_slice, *last_slice;
 	light_cone *cones;
-	uint32_t *index;  /* in the scene */
-	uint32_t *number; /* 0, 1, ..., with LIGHT_WITH_CONE */
-	uint32_t count, capacity;
+	uint32_t *number;     /* the own place, with LIGHT_WITH_CONE */
+	uint32_t *index;      /* in the scene */
+	uint32_t *everywhere; /* those that reach everywhere: indices in the scene */
+	light_found *chunks;
+	uint32_t chunk_count, count, everywhere_count, capacity;
 } light_reaching;
 
 #define LIGHT_BAND_ROWS 8u  /* most rows of a band */
@@ -38,9 +47,7 @@ typedef struct light_band {
 struct light_scratch {
 	light_view view;
 	light_reaching reaching;
-	uint32_t *everywhere;                        /* [capacity] in chunks, as reaching while it is filled */
-	uint32_t *chunk_reaching, *chunk_everywhere; /* how many of each chunk of candidates reach a part, and all */
-	light_band *bands;                           /* [slices][bands of the view] */
+	light_band *bands; /* [slices][bands of the view] */
 	uint32_t band_capacity;
 	uint32_t *counters; /* [slices][rows][columns + 1] lengths of the lists */
 	size_t counter_capacity;
@@ -68,7 +75,7 @@ typedef struct light_build {
 	atomic_bool failed; /* relaxed: no memory; read after the loop, which orders it */
 } light_build;
 
-/* Fills scratch->reaching, lists->lights, light_count and everywhere_count. */
+/* Fills scratch->reaching. */
 stilb_result light_reaching_find(light_build *build);
 
 /* Fills the bands and the counters. */
@@ -78,7 +85,7 @@ stilb_result light_bands_fill(light_build *build);
 void light_spread(light_build *build, uint32_t count, stilb_job_range_fn *fn);
 
 void light_bands_finish(struct light_scratch *scratch);
-void light_reaching_finish(struct light_scratch *scratch);
+void light_reaching_finish(light_reaching *reaching);
 
 /* Bands of a slice. */
 static inline uint32_t light_bands(const light_view *view)

@@ -4,53 +4,46 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-#define HALF_SPACE_MAX 1e-4f       /* cosines from minus this on are those of flat lights */
-#define LIGHT_QUICK_GROWTH 1.00001 /* of a reach: more than light_bounds_within adds, but for what a place needs */
-#define HALF_SPACE_PULL 2e-5       /* share of the radius: more than cosines of flat lights are below 0 */
+#define LIGHT_COUNT_MAX 0x7fff0000u /* below LIGHT_WITH_CONE */
+#define HALF_SPACE_MAX 1e-4f        /* cosines from minus this on are those of flat lights */
+#define LIGHT_QUICK_GROWTH 1.00001  /* of a reach: more than light_bounds_within adds, but for what a place needs */
+#define HALF_SPACE_PULL 2e-5        /* share of the radius: more than cosines of flat lights are below 0 */
 
-void light_reaching_finish(struct light_scratch *scratch)
+void light_reaching_finish(light_reaching *r)
 {
-	light_reaching *r = &scratch->reaching;
 	free(r->x);
 	free(r->first_slice);
 	free(r->cones);
-	free(r->index);
 	free(r->number);
-	free(scratch->everywhere);
-	free(scratch->chunk_reaching);
+	free(r->chunks);
 	*r = (light_reaching){0};
-	scratch->everywhere = scratch->chunk_reaching = scratch->chunk_everywhere = NULL;
 }
 
-static bool reaching_reserve(struct light_scratch *scratch, uint32_t count)
+static bool reaching_reserve(light_reaching *r, uint32_t count)
 {
-	light_reaching *r = &scratch->reaching;
 	uint32_t chunks = count / LIGHT_CHUNK + 1;
 	if (chunks * LIGHT_CHUNK <= r->capacity)
 		return true;
-	light_reaching_finish(scratch);
+	light_reaching_finish(r);
 	chunks += chunks / 4;
-	size_t room = (size_t)chunks * LIGHT_CHUNK, stride = room + LIGHT_LANES;
-	r->x = stilb_memory_alloc(5 * stride, sizeof *r->x);
-	r->first_slice = stilb_memory_alloc(2 * stride, sizeof *r->first_slice);
+	size_t room = (size_t)chunks * LIGHT_CHUNK;
+	r->x = stilb_memory_alloc(5 * room, sizeof *r->x);
+	r->first_slice = stilb_memory_alloc(2 * room, sizeof *r->first_slice);
 	r->cones = stilb_memory_alloc(room, sizeof *r->cones);
-	r->index = stilb_memory_alloc(room, sizeof *r->index);
-	r->number = stilb_memory_alloc(room + LIGHT_LANES, sizeof *r->number);
-	scratch->everywhere = stilb_memory_alloc(room, sizeof *scratch->everywhere);
-	scratch->chunk_reaching = stilb_memory_alloc(2 * (size_t)chunks, sizeof *scratch->chunk_reaching);
-	if (!r->x || !r->first_slice || !r->cones || !r->index || !r->number || !scratch->everywhere ||
-	    !scratch->chunk_reaching) {
-		light_reaching_finish(scratch);
+	r->number = stilb_memory_alloc(3 * room, sizeof *r->number);
+	r->chunks = stilb_memory_alloc(chunks, sizeof *r->chunks);
+	if (!r->x || !r->first_slice || !r->cones || !r->number || !r->chunks) {
+		light_reaching_finish(r);
 		return false;
 	}
-	r->y = r->x + stride;
-	r->w = r->y + stride;
-	r->depth = r->w + stride;
-	r->radius = r->depth + stride;
-	r->last_slice = r->first_slice + stride;
-	scratch->chunk_everywhere = scratch->chunk_reaching + chunks;
+	r->y = r->x + room;
+	r->w = r->y + room;
+	r->depth = r->w + room;
+	r->radius = r->depth + room;
+	r->last_slice = r->first_slice + room;
+	r->index = r->number + room;
+	r->everywhere = r->index + room;
 	r->capacity = (uint32_t)room;
 	return true;
 }
@@ -117,6 +110,7 @@ static void reaching_store(const light_view *view, light_reaching *r, uint32_t a
 	r->depth[at] = (float)clip.high[1];
 	r->radius[at] = (float)((double)bounds->sphere.radius + slack);
 	r->cones[at] = cone_of(view, bounds, slack);
+	r->number[at] = at | (r->cones[at].some ? LIGHT_WITH_CONE : 0);
 }
 
 /* False if a light with a place cannot reach the view: a quick test, without its cone. */
@@ -164,7 +158,7 @@ static void light_job_reaching(uint32_t begin, uint32_t end, uint32_t worker, vo
 			if (!light_reaches(build, &build->lights[index], &bounds))
 				continue;
 			if (isinf(bounds.sphere.radius)) {
-				scratch->everywhere[everywhere++] = index;
+				r->everywhere[everywhere++] = index;
 			} else {
 				reaching_store(&scratch->view, r, at, &bounds);
 				r->index[at++] = index;
@@ -172,59 +166,22 @@ static void light_job_reaching(uint32_t begin, uint32_t end, uint32_t worker, vo
 		}
 		scratch->kernels->slices(&scratch->view.depths, r->depth + first, r->radius + first, at - first,
 		                         r->first_slice + first, r->last_slice + first);
-		scratch->chunk_reaching[chunk] = at - first;
-		scratch->chunk_everywhere[chunk] = everywhere - first;
+		r->chunks[chunk] = (light_found){.count = at - first, .everywhere_count = everywhere - first};
 	}
-}
-
-static void move_floats(float *floats, uint32_t to, uint32_t from, uint32_t count)
-{
-	memmove(floats + to, floats + from, count * sizeof *floats);
-}
-
-/* Moves count lights to the end of those that are in place. */
-static void reaching_append(light_reaching *r, uint32_t from, uint32_t count)
-{
-	uint32_t to = r->count;
-	r->count += count;
-	if (to == from || count == 0)
-		return;
-	move_floats(r->x, to, from, count);
-	move_floats(r->y, to, from, count);
-	move_floats(r->w, to, from, count);
-	move_floats(r->depth, to, from, count);
-	move_floats(r->radius, to, from, count);
-	memmove(r->first_slice + to, r->first_slice + from, count);
-	memmove(r->last_slice + to, r->last_slice + from, count);
-	memmove(r->cones + to, r->cones + from, count * sizeof *r->cones);
-	memmove(r->index + to, r->index + from, count * sizeof *r->index);
 }
 
 stilb_result light_reaching_find(light_build *build)
 {
-	struct light_scratch *scratch = build->scratch;
-	light_reaching *r = &scratch->reaching;
-	uint32_t chunks = (build->count + LIGHT_CHUNK - 1) / LIGHT_CHUNK, everywhere = 0;
-	if (!reaching_reserve(scratch, build->count))
+	light_reaching *r = &build->scratch->reaching;
+	if (build->count > LIGHT_COUNT_MAX || !reaching_reserve(r, build->count))
 		return stilb_fail(STILB_ERROR_MEMORY, "light lists: no memory for %u lights", build->count);
-	light_spread(build, chunks, light_job_reaching);
-	r->count = 0;
-	for (uint32_t chunk = 0; chunk < chunks; chunk++) {
-		uint32_t first = chunk * LIGHT_CHUNK;
-		reaching_append(r, first, scratch->chunk_reaching[chunk]);
-		memmove(scratch->everywhere + everywhere, scratch->everywhere + first,
-		        scratch->chunk_everywhere[chunk] * sizeof *scratch->everywhere);
-		everywhere += scratch->chunk_everywhere[chunk];
+	r->chunk_count = (build->count + LIGHT_CHUNK - 1) / LIGHT_CHUNK;
+	light_spread(build, r->chunk_count, light_job_reaching);
+	r->count = r->everywhere_count = 0;
+	for (uint32_t c = 0; c < r->chunk_count; c++) {
+		r->chunks[c].gap = c * LIGHT_CHUNK - r->count;
+		r->count += r->chunks[c].count;
+		r->everywhere_count += r->chunks[c].everywhere_count;
 	}
-	for (uint32_t i = 0; i < r->count; i++)
-		r->number[i] = i | (r->cones[i].some ? LIGHT_WITH_CONE : 0);
-	for (uint32_t i = r->count; i < r->count + LIGHT_LANES; i++) { /* what vectors read beyond them is in no slice */
-		r->x[i] = r->y[i] = r->w[i] = r->depth[i] = r->radius[i] = 0.0f;
-		r->first_slice[i] = UINT8_MAX;
-		r->last_slice[i] = 0;
-		r->number[i] = 0;
-	}
-	build->lists->everywhere_count = everywhere;
-	build->lists->light_count = everywhere + r->count;
 	return STILB_OK;
 }

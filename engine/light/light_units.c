@@ -96,9 +96,9 @@ static light_cone_row cone_in_row(const light_rays *rays, const light_cone *cone
 	return out;
 }
 
-static light_chunk reaching_chunk(const light_reaching *r, uint32_t first)
+static light_chunk reaching_chunk(const light_reaching *r, uint32_t number)
 {
-	uint32_t count = r->count - first < LIGHT_CHUNK ? r->count - first : LIGHT_CHUNK;
+	uint32_t first = number * LIGHT_CHUNK;
 	return (light_chunk){.x = r->x + first,
 	                     .y = r->y + first,
 	                     .w = r->w + first,
@@ -107,7 +107,7 @@ static light_chunk reaching_chunk(const light_reaching *r, uint32_t first)
 	                     .first_slice = r->first_slice + first,
 	                     .last_slice = r->last_slice + first,
 	                     .number = r->number + first,
-	                     .count = count};
+	                     .count = r->chunks[number].count};
 }
 
 /* Shortens the spans of lights with cones to the cells that these meet, and takes the flags away. */
@@ -187,8 +187,8 @@ static bool unit_find(const struct light_scratch *scratch, const light_unit *uni
 	uint32_t first_row = light_band_row(view, unit->first_band), end_row = light_band_row(view, unit->end_band);
 	light_picked picked;
 	picked.count = 0;
-	for (uint32_t first = 0; first < r->count; first += LIGHT_CHUNK) {
-		light_chunk chunk = reaching_chunk(r, first);
+	for (uint32_t c = 0; c < r->chunk_count; c++) {
+		light_chunk chunk = reaching_chunk(r, c);
 		if (picked.count + chunk.count > LIGHT_PICKED && !unit_add(scratch, unit, &slab, &picked))
 			return false;
 		scratch->kernels->pick(&slab, first_row, end_row, &chunk, &picked);
