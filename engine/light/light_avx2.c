@@ -76,7 +76,7 @@ static void avx2_keep(light_picked *to, uint32_t at, uint32_t mask, __m256 x, __
 static void avx2_pick(const light_slab *slab, uint32_t first_row, uint32_t end_row, const light_chunk *chunk,
                       light_picked *picked)
 {
-	const __m256 zero = _mm256_setzero_ps();
+	__m256 zero = _mm256_setzero_ps();
 	uint32_t count = picked->count;
 	for (uint32_t i = 0; i < chunk->count; i += LANES) {
 		__m256 in = avx2_in_slice(slab, chunk, i);
@@ -141,7 +141,7 @@ static avx2_row avx2_shrink(const light_slab *slab, const light_picked *picked, 
 /* Spans as pairs of 16 bits, for the lanes of row->in; takes those away that reach no column. */
 static __m256i avx2_tangents(const light_columns *c, avx2_row *row)
 {
-	const __m256 zero = _mm256_setzero_ps(), end = avx2_set((float)c->count), sign = avx2_set(-0.0f);
+	__m256 zero = _mm256_setzero_ps(), end = avx2_set((float)c->count), sign = avx2_set(-0.0f);
 	__m256 x = row->x, w = row->w, square = row->square;
 	__m256 ww = _mm256_mul_ps(w, w), xw = _mm256_mul_ps(x, w);
 	__m256 inverse = _mm256_div_ps(avx2_set(1.0f), _mm256_sub_ps(ww, _mm256_mul_ps(avx2_set(c->ww), square)));

@@ -32,7 +32,7 @@ static __m512 avx512_beyond(__m512 y, __m512 w, const light_planes *rows, uint32
 static void avx512_slices(const light_depths *depths, const float *depth, const float *radius, uint32_t count,
                           uint8_t *first, uint8_t *last)
 {
-	const __m512i one = _mm512_set1_epi32(1);
+	__m512i one = _mm512_set1_epi32(1);
 	for (uint32_t i = 0; i < count; i += LANES) {
 		__m512 at = _mm512_loadu_ps(depth + i), reach = _mm512_loadu_ps(radius + i);
 		__m512 from = _mm512_sub_ps(at, reach), to = _mm512_add_ps(at, reach);
@@ -62,8 +62,8 @@ static void avx512_keep(light_picked *to, uint32_t at, __mmask16 in, __m512 x, _
 static void avx512_pick(const light_slab *slab, uint32_t first_row, uint32_t end_row, const light_chunk *chunk,
                         light_picked *picked)
 {
-	const __m128i slice = _mm_set1_epi8((char)slab->slice);
-	const __m512 zero = _mm512_setzero_ps();
+	__m128i slice = _mm_set1_epi8((char)slab->slice);
+	__m512 zero = _mm512_setzero_ps();
 	uint32_t count = picked->count;
 	for (uint32_t i = 0; i < chunk->count; i += LANES) {
 		__mmask16 in = _mm_mask_cmple_epu8_mask(avx512_lanes(chunk->count - i),
@@ -130,7 +130,7 @@ static avx512_row avx512_shrink(const light_slab *slab, const light_picked *pick
 /* Spans as pairs of 16 bits, for the lanes of row->in; takes those away that reach no column. */
 static __m512i avx512_tangents(const light_columns *c, avx512_row *row)
 {
-	const __m512 zero = _mm512_setzero_ps(), end = avx512_set((float)c->count);
+	__m512 zero = _mm512_setzero_ps(), end = avx512_set((float)c->count);
 	__m512 x = row->x, w = row->w, square = row->square;
 	__m512 ww = _mm512_mul_ps(w, w), xw = _mm512_mul_ps(x, w);
 	__m512 inverse = _mm512_div_ps(avx512_set(1.0f), _mm512_sub_ps(ww, _mm512_mul_ps(avx512_set(c->ww), square)));

@@ -16,11 +16,6 @@ static double dot3(const float a[3], const float b[3])
 	return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
 }
 
-static double size3(const float a[3])
-{
-	return fabs((double)a[0]) + fabs((double)a[1]) + fabs((double)a[2]);
-}
-
 static double brightest(const stilb_scene_light *light)
 {
 	return light_larger((double)light->intensity[0],
@@ -87,7 +82,7 @@ static void bounds_cone(stilb_light_bounds *bounds, const stilb_scene_light *lig
 	cosine -= COSINE_GROWTH;
 	if (cosine <= -1.0)
 		return;
-	pull = (1.01 * REACH_MIN + size3(light->position) * LIGHT_RELATIVE) / sqrt(1.0 - cosine * cosine);
+	pull = (1.01 * REACH_MIN + light_size(light->position) * LIGHT_RELATIVE) / sqrt(1.0 - cosine * cosine);
 	for (int i = 0; i < 3; i++) {
 		axis[i] = (double)light->direction[i] / length;
 		apex[i] = (double)light->position[i] - axis[i] * pull;
@@ -115,7 +110,7 @@ stilb_light_bounds light_bounds_within(const stilb_scene_light *light, double re
 	}
 	reach = reach * (1.0 + REACH_GROWTH);
 	if (reach <= REACH_MAX * 2.0)
-		bounds.sphere.radius = (float)(reach + size3(light->position) * LIGHT_RELATIVE);
+		bounds.sphere.radius = (float)(reach + light_size(light->position) * LIGHT_RELATIVE);
 	else
 		reach = (double)INFINITY;
 	if (light->kind == STILB_SCENE_LIGHT_SPOT) {

@@ -4,6 +4,8 @@
 
 #include "light/light_kernels.h"
 
+#include <math.h>
+
 /* Of numbers that are not NaN; fmax and fmin would be calls. */
 static inline double light_larger(double a, double b)
 {
@@ -13,6 +15,12 @@ static inline double light_larger(double a, double b)
 static inline double light_smaller(double a, double b)
 {
 	return a < b ? a : b;
+}
+
+/* The sum of the sizes of a point's coordinates: no less than its distance from the origin. */
+static inline double light_size(const float p[3])
+{
+	return fabs((double)p[0]) + fabs((double)p[1]) + fabs((double)p[2]);
 }
 
 #define LIGHT_RELATIVE 0x1p-20 /* bound of the relative errors of float sums of some terms: 16 roundings */

@@ -48,11 +48,6 @@ static bool reaching_reserve(light_reaching *r, uint32_t count)
 	return true;
 }
 
-static double size3(const float p[3])
-{
-	return fabs((double)p[0]) + fabs((double)p[1]) + fabs((double)p[2]);
-}
-
 /* Four affine functions of a point. */
 static light_four affine(const light_four functions[4], const float p[3])
 {
@@ -68,7 +63,7 @@ static light_four affine(const light_four functions[4], const float p[3])
 /* What is added to a radius, metres: covers the rounding of all that follows. */
 static double slack_of(const light_view *view, const float p[3], double radius)
 {
-	return LIGHT_RELATIVE * (view->growth * (size3(p) + radius) + view->reach);
+	return LIGHT_RELATIVE * (view->growth * (light_size(p) + radius) + view->reach);
 }
 
 /* True if a sphere reaches the space that the view shows. */

@@ -1,8 +1,8 @@
 /* Which cells each light of a view reaches. */
 #include "light/light_lists.h"
+#include "light/light_scalar.h"
 #include "profiler/prof.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,11 +68,6 @@ static bool band_reserve(light_band *band, uint32_t more)
 	return true;
 }
 
-static float dot(const float a[3], const float b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static light_cone_row cone_in_row(const light_rays *rays, const light_cone *cone, const light_slab *slab, uint32_t row)
 {
 	light_cone_row out = {.rays = rays,
@@ -88,7 +83,7 @@ static light_cone_row cone_in_row(const light_rays *rays, const light_cone *cone
 		out.across[i] = cone->base[i] + y * rays->base_y[i] + z * (rays->ray[i] + y * rays->ray_y[i]);
 		out.across_x[i] = rays->base_x[i] + z * rays->ray_x[i];
 	}
-	float along = dot(out.across, cone->axis), along_x = dot(out.across_x, cone->axis);
+	float along = scalar_dot(out.across, cone->axis), along_x = scalar_dot(out.across_x, cone->axis);
 	for (int i = 0; i < 3; i++) {
 		out.across[i] -= along * cone->axis[i];
 		out.across_x[i] -= along_x * cone->axis[i];

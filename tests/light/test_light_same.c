@@ -36,7 +36,7 @@ static void test_same_bits(void **state)
 		assert_int_equal(stilb_job_pool_create(&desc, &pools[p]), 0);
 	}
 	stilb_light_lists reference = {0}, lists = {0};
-	uint32_t views = TEST_TSAN || TEST_ASAN ? 4 : 16;
+	uint32_t views = TEST_TSAN || TEST_ASAN ? 4 : 10;
 	for (uint32_t v = 0; v < views; v++) {
 		for (uint32_t i = 0; i < LIGHTS; i++)
 			lights[i] = draw_light(&random, 10.0, v % 3 == 0 ? 4.0 : 1.0);
