@@ -117,6 +117,27 @@ static void test_everywhere(void **state)
 	stilb_light_lists_finish(&lists);
 }
 
+/* More lights in one place than are worked on at a time: each cell has all of them, or none. */
+static void test_many_in_one_place(void **state)
+{
+	(void)state;
+	enum { MANY = 5000 };
+	static stilb_scene_light lights[MANY];
+	stilb_light_lists lists = {0};
+	stilb_light_grid grid = square_grid();
+	for (uint32_t i = 0; i < MANY; i++)
+		lights[i] = point_light(0, 0, -5, 3);
+	build(&lists, &grid, lights, 1);
+	uint32_t one = lists.id_count;
+	build(&lists, &grid, lights, MANY);
+	assert_int_equal(lists.id_count, one * MANY);
+	for (uint32_t cell = 0; cell < 512; cell++) {
+		uint32_t length = lists.starts[cell + 1] - lists.starts[cell];
+		assert_true(length == 0 || length == MANY);
+	}
+	stilb_light_lists_finish(&lists);
+}
+
 static void test_candidates(void **state)
 {
 	(void)state;
@@ -298,9 +319,11 @@ static void test_no_memory(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_no_light),   cmocka_unit_test(test_one_cell), cmocka_unit_test(test_everywhere),
-		cmocka_unit_test(test_candidates), cmocka_unit_test(test_bounds),   cmocka_unit_test(test_cone),
-		cmocka_unit_test(test_arguments),  cmocka_unit_test(test_extremes), cmocka_unit_test(test_no_memory),
+		cmocka_unit_test(test_no_light),   cmocka_unit_test(test_one_cell),
+		cmocka_unit_test(test_everywhere), cmocka_unit_test(test_many_in_one_place),
+		cmocka_unit_test(test_candidates), cmocka_unit_test(test_bounds),
+		cmocka_unit_test(test_cone),       cmocka_unit_test(test_arguments),
+		cmocka_unit_test(test_extremes),   cmocka_unit_test(test_no_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

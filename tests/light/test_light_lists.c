@@ -109,11 +109,41 @@ static void test_none_is_missing_in_the_small_and_in_the_large(void **state)
 	run_views(3, TEST_ASAN ? 4 : 40, 1e6);
 }
 
+/* Tiny lights on both sides of where slices end: what a shader rounds there is allowed for. */
+static void test_none_is_missing_where_slices_end(void **state)
+{
+	(void)state;
+	light_random random = {.seed = 4};
+	stilb_light_lists lists = {0};
+	uint32_t checked = 0;
+	for (uint32_t v = 0; v < 60; v++) {
+		stilb_light_grid grid = draw_grid(&random, 10.0);
+		grid.slices = 3 + draw_below(&random, 126);
+		grid.last = grid.first * (float)(1.0 + exp2(draw(&random, -8.0, 6.0)));
+		assert_int_equal(stilb_light_lists_build(&lists, &grid, NULL, 0, NULL, 0, NULL, 0), STILB_OK);
+		for (uint32_t i = 0; i < LIGHTS; i++) {
+			double depth = reference_depth(&lists, 1 + draw_below(&random, grid.slices - 1)), at[3];
+			reference_point(&lists, &grid, draw(&random, -1.0, 1.0), draw(&random, -1.0, 1.0),
+			                depth * (1.0 + draw(&random, -2e-7, 2e-7)), at);
+			lights[i] = draw_light(&random, 1.0, 1e-6 * depth);
+			lights[i].use = STILB_SCENE_LIGHT_LIVE;
+			for (int k = 0; k < 3; k++)
+				lights[i].position[k] = (float)at[k];
+		}
+		assert_int_equal(stilb_light_lists_build(&lists, &grid, lights, LIGHTS, NULL, 0, NULL, 0), STILB_OK);
+		for (uint32_t i = 0; i < LIGHTS; i++)
+			checked += check_point(&lists, &grid, i, lights[i].position);
+	}
+	assert_true(checked > 60 * LIGHTS / 4);
+	stilb_light_lists_finish(&lists);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_none_is_missing),
 		cmocka_unit_test(test_none_is_missing_in_the_small_and_in_the_large),
+		cmocka_unit_test(test_none_is_missing_where_slices_end),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
