@@ -44,20 +44,18 @@ static bool lists_reserve(uint32_t **array, uint32_t *capacity, uint64_t count)
 	return *array;
 }
 
-/* Appends each light to the lists of its cells: cursors are the places in ids where each column's list goes on. */
-static void row_fill(const light_row *row, const light_found *restrict chunks, uint32_t *restrict cursors,
-                     uint32_t *restrict ids)
+/* Writes the lists of a row's cells. end: of the lists of its band; those before `from` are written. */
+static void row_fill(const struct light_scratch *scratch, const light_row *row, uint32_t *cursors, uint32_t from,
+                     uint32_t end, uint32_t *ids)
 {
-	const uint32_t *restrict numbers = row->numbers;
-	const light_span *restrict spans = row->spans;
-	for (uint32_t i = 0; i < row->count; i++) {
-		uint32_t id = numbers[i] - chunks[numbers[i] / LIGHT_CHUNK].gap, end = spans[i].last + 1u;
-		for (uint32_t c = spans[i].first; c < end; c++) {
-			uint32_t at = cursors[c];
-			cursors[c] = at + 1;
-			ids[at] = id;
-		}
-	}
+	uint32_t columns = scratch->view.columns;
+	for (uint32_t i = 0; i < row->count; i++) /* gaps end here */
+		row->numbers[i] -= scratch->reaching.chunks[row->numbers[i] / LIGHT_CHUNK].gap;
+	uint64_t pairs = cursors[columns] - from, tests = (uint64_t)row->count * columns;
+	if (pairs * LIGHT_DENSE > tests)
+		scratch->kernels->fill_dense(row->numbers, row->spans, row->count, cursors, columns, end, ids);
+	else
+		light_fill(row->numbers, row->spans, row->count, cursors, ids);
 }
 
 /* Writes the lists of bands begin .. end - 1. */
@@ -75,18 +73,19 @@ static void light_job_lists(uint32_t begin, uint32_t end, uint32_t worker, void 
 		const light_band *band = &scratch->bands[number];
 		uint32_t slice = number / light_bands(view), first = light_band_row(view, number % light_bands(view));
 		uint32_t last = light_band_row(view, number % light_bands(view) + 1), id = (uint32_t)band->first_id;
+		uint32_t band_end = (uint32_t)(band->first_id + band->id_count);
 		for (uint32_t r = first; r < last; r++) {
-			uint32_t *cursors = light_counters(scratch, slice, r);
+			uint32_t *cursors = light_counters(scratch, slice, r), from = id;
 			uint32_t *starts = lists->starts + ((size_t)slice * view->rows + r) * view->columns;
 			for (uint32_t c = 0; c < view->columns; c++) {
 				uint32_t length = cursors[c];
 				cursors[c] = starts[c] = id;
-				__builtin_prefetch(lists->ids + id, 1);
 				id += length;
 			}
-			row_fill(&band->rows[r - first], scratch->reaching.chunks, cursors, lists->ids);
+			cursors[view->columns] = id;
+			row_fill(scratch, &band->rows[r - first], cursors, from, band_end, lists->ids);
 		}
-		STILB_ASSERT(id == band->first_id + band->id_count);
+		STILB_ASSERT(id == band_end);
 	}
 }
 

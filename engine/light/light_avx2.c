@@ -319,5 +319,6 @@ const light_kernels light_kernels_avx2 = {
 	.narrow = avx2_narrow,
 	.spans = avx2_spans,
 	.trim = light_trim_avx2,
+	.fill_dense = light_fill_dense,
 };
 #endif

@@ -217,11 +217,36 @@ static uint32_t avx512_spans(const light_slab *slab, const light_picked *picked,
 	return count;
 }
 
+/* A span (first, last) holds a column c if neither half of (first, ~last) exceeds that of (c, ~c). */
+static void avx512_fill_dense(uint32_t *numbers, light_span *spans, uint32_t count, uint32_t *cursors, uint32_t columns,
+                              uint32_t end, uint32_t *ids)
+{
+	__m512i flip = _mm512_set1_epi32((int)0xffff0000u);
+	for (uint32_t i = count; i % LANES != 0; i++)
+		spans[i] = LIGHT_SPAN_NONE;
+	for (uint32_t c = 0; c < columns; c++) {
+		__m512i column = _mm512_set1_epi32((int)(c | (0xffffu - c) << 16));
+		uint32_t at = cursors[c];
+		for (uint32_t i = 0; i < count; i += LANES) {
+			__m512i beyond = _mm512_subs_epu16(_mm512_xor_si512(_mm512_loadu_si512(spans + i), flip), column);
+			__mmask16 in = _mm512_testn_epi32_mask(beyond, beyond);
+			__m512i lights = _mm512_maskz_compress_epi32(in, _mm512_loadu_si512(numbers + i));
+			uint32_t found = (uint32_t)__builtin_popcount(in);
+			if (at + LANES <= end)
+				_mm512_storeu_si512(ids + at, lights);
+			else
+				_mm512_mask_storeu_epi32(ids + at, avx512_lanes(found), lights);
+			at += found;
+		}
+	}
+}
+
 const light_kernels light_kernels_avx512 = {
 	.slices = avx512_slices,
 	.pick = avx512_pick,
 	.narrow = avx512_narrow,
 	.spans = avx512_spans,
 	.trim = light_trim_avx2,
+	.fill_dense = avx512_fill_dense,
 };
 #endif

@@ -24,6 +24,7 @@
 #define LIGHT_TANGENT_GROWTH 0x1p-17f /* of a tangent, for rounding: a share of its terms */
 #define LIGHT_COLUMN_GROWTH 1e-3f     /* of a span, for rounding: columns */
 #define LIGHT_ACROSS_MIN 1e-20f       /* metres: keeps a quotient finite */
+#define LIGHT_DENSE 32u               /* share of a row's tests that are pairs, above which they are made one by one */
 #define LIGHT_WITH_CONE 0x80000000u   /* flag of a light's number: it has a cone */
 
 /* Planes between columns or rows. */
@@ -119,9 +120,20 @@ typedef struct light_kernels {
 	                  light_span *spans);
 	/* Shortens a span to the columns whose cells the cone meets; to LIGHT_SPAN_NONE if there is none. */
 	light_span (*trim)(const light_cone_row *row, light_span span);
+	/* light_fill for rows whose spans are long: column after column. May write up to ids[end - 1] what the cells that
+	 * come later will overwrite, and to numbers and spans beyond the last LIGHT_LANES - 1 elements. */
+	void (*fill_dense)(uint32_t *numbers, light_span *spans, uint32_t count, uint32_t *cursors, uint32_t columns,
+	                   uint32_t end, uint32_t *ids);
 } light_kernels;
 
 extern const light_kernels light_kernels_scalar, light_kernels_avx2, light_kernels_avx512;
+
+/* Appends each light to the lists of its cells: cursors are the places in ids where each column's list goes on. */
+void light_fill(const uint32_t *numbers, const light_span *spans, uint32_t count, uint32_t *cursors, uint32_t *ids);
+
+/* fill_dense without vectors that can store some of their lanes side by side. */
+void light_fill_dense(uint32_t *numbers, light_span *spans, uint32_t count, uint32_t *cursors, uint32_t columns,
+                      uint32_t end, uint32_t *ids);
 
 /* The function `trim` of AVX2, also of AVX-512: most spans are short. */
 light_span light_trim_avx2(const light_cone_row *row, light_span span);

@@ -57,10 +57,32 @@ static light_span scalar_trim(const light_cone_row *row, light_span span)
 	return first < end ? (light_span){(uint16_t)first, (uint16_t)(end - 1)} : LIGHT_SPAN_NONE;
 }
 
+void light_fill(const uint32_t *restrict numbers, const light_span *restrict spans, uint32_t count,
+                uint32_t *restrict cursors, uint32_t *restrict ids)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t number = numbers[i], end = spans[i].last + 1u;
+		for (uint32_t c = spans[i].first; c < end; c++) {
+			uint32_t at = cursors[c];
+			cursors[c] = at + 1;
+			ids[at] = number;
+		}
+	}
+}
+
+void light_fill_dense(uint32_t *numbers, light_span *spans, uint32_t count, uint32_t *cursors, uint32_t columns,
+                      uint32_t end, uint32_t *ids)
+{
+	(void)columns;
+	(void)end;
+	light_fill(numbers, spans, count, cursors, ids);
+}
+
 const light_kernels light_kernels_scalar = {
 	.slices = scalar_slices,
 	.pick = scalar_pick,
 	.narrow = scalar_narrow,
 	.spans = scalar_spans,
 	.trim = scalar_trim,
+	.fill_dense = light_fill_dense,
 };
