@@ -1,6 +1,6 @@
-/* The program of the suite `lights`: builds a view's lists by one thread and by two, in turn with the peer: a test of
- * as many spheres as the lists have pairs of light and cell against the six planes of one frustum, eight at a time,
- * from arrays in memory. Both builds must have the same bits. */
+/* The program of the suite `lights`: builds a view's lists by one thread and by two, in turn with the peer: the tests of
+ * all pairs of light and cell, a sphere against six planes, eight at a time, from arrays in memory. Both builds must
+ * have the same bits. */
 #include "bench/harness/bench_child.h"
 #include "bench/lights/lights_cases.h"
 #include "jobs/job.h"

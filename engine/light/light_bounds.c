@@ -94,36 +94,39 @@ static void bounds_cone(stilb_light_bounds *bounds, const stilb_scene_light *lig
 		bounds_shorten(bounds, apex, axis, cosine, reach + pull);
 }
 
-stilb_light_bounds light_bounds_within(const stilb_scene_light *light, double reach)
+void light_bounds_within(const stilb_scene_light *light, double reach, stilb_light_bounds *bounds)
 {
-	stilb_light_bounds bounds = {.sphere = {.radius = INFINITY}, .cos_angle = -1.0f};
+	bounds->cos_angle = -1.0f;
+	bounds->sphere.x = light->position[0];
+	bounds->sphere.y = light->position[1];
+	bounds->sphere.z = light->position[2];
+	bounds->sphere.radius = INFINITY;
 	if (light->kind == STILB_SCENE_LIGHT_DIRECTIONAL) {
-		if (!(brightest(light) > 0.0))
-			bounds.sphere.radius = -1.0f;
-		return bounds;
+		bounds->sphere.radius = brightest(light) > 0.0 ? INFINITY : -1.0f;
+		return;
 	}
-	bounds.sphere = (stilb_sphere){light->position[0], light->position[1], light->position[2], INFINITY};
 	reach = light_smaller(reach, light_reach(light, 0.0));
 	if (!(reach > 0.0)) {
-		bounds.sphere.radius = -1.0f;
-		return bounds;
+		bounds->sphere.radius = -1.0f;
+		return;
 	}
 	reach = reach * (1.0 + REACH_GROWTH);
 	if (reach <= REACH_MAX * 2.0)
-		bounds.sphere.radius = (float)(reach + light_size(light->position) * LIGHT_RELATIVE);
+		bounds->sphere.radius = (float)(reach + light_size(light->position) * LIGHT_RELATIVE);
 	else
 		reach = (double)INFINITY;
 	if (light->kind == STILB_SCENE_LIGHT_SPOT) {
 		double length = sqrt(dot3(light->direction, light->direction)), cosine = (double)light->cos_outer;
-		bounds_cone(&bounds, light, light_smaller(cosine, cosine / length), reach);
+		bounds_cone(bounds, light, light_smaller(cosine, cosine / length), reach);
 	}
 	if (light->kind == STILB_SCENE_LIGHT_DISK || light->kind == STILB_SCENE_LIGHT_RECTANGLE)
-		bounds_cone(&bounds, light, 0.0, reach);
-	return bounds;
+		bounds_cone(bounds, light, 0.0, reach);
 }
 
 stilb_light_bounds stilb_light_bounds_of(const stilb_scene_light *light)
 {
+	stilb_light_bounds bounds = {0};
 	STILB_ASSERT(light);
-	return light_bounds_within(light, (double)INFINITY);
+	light_bounds_within(light, (double)INFINITY, &bounds);
+	return bounds;
 }

@@ -60,7 +60,8 @@ void light_view_finish(light_view *view);
  * nowhere. Of a light with a place. */
 double light_reach(const stilb_scene_light *light, double irradiance);
 
-/* stilb_light_bounds_of, of a light that reaches no farther than `reach` metres, which may be INFINITY. */
-stilb_light_bounds light_bounds_within(const stilb_scene_light *light, double reach);
+/* stilb_light_bounds_of, of a light that reaches no farther than `reach` metres, which may be INFINITY. Without a cone,
+ * axis and apex stay as they are. */
+void light_bounds_within(const stilb_scene_light *light, double reach, stilb_light_bounds *bounds);
 
 #endif

@@ -125,10 +125,10 @@ static bool light_reaches(const light_build *build, const stilb_scene_light *lig
 		return false;
 	if (light->kind != STILB_SCENE_LIGHT_DIRECTIONAL) {
 		reach = light_reach(light, build->irradiance);
-		if (!may_reach(build, light, reach))
+		if (!(reach > 0.0) || !may_reach(build, light, reach))
 			return false;
 	}
-	*bounds = light_bounds_within(light, reach);
+	light_bounds_within(light, reach, bounds);
 	if (bounds->cos_angle <= -1.0f || isinf(bounds->sphere.radius))
 		return bounds->sphere.radius >= 0.0f;
 	const float p[3] = {bounds->sphere.x, bounds->sphere.y, bounds->sphere.z};
