@@ -1,5 +1,5 @@
-/* The program of the suite `lights`: builds a view's lists by one thread and by two, in turn with the peer: the tests of
- * all pairs of light and cell, a sphere against six planes, eight at a time, from arrays in memory. Both builds must
+/* The program of the suite `lights`: builds a view's lists by one thread and by two, in turn with the peer: the tests
+ * of all pairs of light and cell, a sphere against six planes, eight at a time, from arrays in memory. Both builds must
  * have the same bits. */
 #include "bench/harness/bench_child.h"
 #include "bench/lights/lights_cases.h"
