@@ -9,4 +9,8 @@
 	X("lists-10000", "lists of 10,000 bulbs in a hall", 10000)                                                         \
 	X("lists-100000", "lists of 100,000 lamps in a city, a quarter of them spots", 100000)
 
+/* The case of lights in a loose octree. */
+#define LIGHTS_OCTREE "octree-100000"
+#define LIGHTS_OCTREE_COUNT 100000u
+
 #endif

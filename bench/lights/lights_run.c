@@ -3,6 +3,7 @@
  * have the same bits. */
 #include "bench/harness/bench_child.h"
 #include "bench/lights/lights_cases.h"
+#include "bench/lights/lights_octree.h"
 #include "jobs/job.h"
 #include "light/light_lists.h"
 
@@ -276,13 +277,16 @@ static void measure(const bench_child *child, const stilb_light_grid *grid, cons
 	stilb_job_pool_destroy(pool);
 }
 
-static void run(const bench_child *child, uint32_t count)
+static void run(const bench_child *child, uint32_t count, bool octree)
 {
 	stilb_scene_light *lights = stilb_memory_alloc(count, sizeof *lights);
 	if (!lights)
 		bench_child_fail("no memory");
 	stilb_light_grid grid = fill(lights, count);
-	measure(child, &grid, lights, count);
+	if (octree)
+		lights_octree_measure(child, &grid, lights, count);
+	else
+		measure(child, &grid, lights, count);
 	free(lights);
 }
 
@@ -291,10 +295,13 @@ int main(int argc, char **argv)
 	bench_child child = bench_child_args(argc, argv);
 #define CASE(NAME, TITLE, LIGHTS)                                                                                      \
 	if (strcmp(child.case_name, NAME) == 0) {                                                                          \
-		run(&child, LIGHTS);                                                                                           \
+		run(&child, LIGHTS, false);                                                                                    \
 		return 0;                                                                                                      \
 	}
 	LIGHTS_CASES(CASE)
 #undef CASE
-	return BENCH_CHILD_SKIP;
+	if (strcmp(child.case_name, LIGHTS_OCTREE) != 0)
+		return BENCH_CHILD_SKIP;
+	run(&child, LIGHTS_OCTREE_COUNT, true);
+	return 0;
 }

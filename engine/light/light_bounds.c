@@ -94,32 +94,31 @@ static void bounds_cone(stilb_light_bounds *bounds, const stilb_scene_light *lig
 		bounds_shorten(bounds, apex, axis, cosine, reach + pull);
 }
 
+/* The radius of the sphere around the light's centre, as stilb_light_bounds has it; *reach: with room for rounding. */
+static float bounds_radius(const stilb_scene_light *light, double *reach)
+{
+	if (light->kind == STILB_SCENE_LIGHT_DIRECTIONAL)
+		return brightest(light) > 0.0 ? INFINITY : -1.0f;
+	*reach = light_smaller(*reach, light_reach(light, 0.0));
+	if (!(*reach > 0.0))
+		return -1.0f;
+	*reach *= 1.0 + REACH_GROWTH;
+	if (*reach <= REACH_MAX * 2.0)
+		return (float)(*reach + light_size(light->position) * LIGHT_RELATIVE);
+	*reach = (double)INFINITY;
+	return INFINITY;
+}
+
 void light_bounds_within(const stilb_scene_light *light, double reach, stilb_light_bounds *bounds)
 {
+	float radius = bounds_radius(light, &reach);
+	bounds->sphere = (stilb_sphere){light->position[0], light->position[1], light->position[2], radius};
 	bounds->cos_angle = -1.0f;
-	bounds->sphere.x = light->position[0];
-	bounds->sphere.y = light->position[1];
-	bounds->sphere.z = light->position[2];
-	bounds->sphere.radius = INFINITY;
-	if (light->kind == STILB_SCENE_LIGHT_DIRECTIONAL) {
-		bounds->sphere.radius = brightest(light) > 0.0 ? INFINITY : -1.0f;
-		return;
-	}
-	reach = light_smaller(reach, light_reach(light, 0.0));
-	if (!(reach > 0.0)) {
-		bounds->sphere.radius = -1.0f;
-		return;
-	}
-	reach = reach * (1.0 + REACH_GROWTH);
-	if (reach <= REACH_MAX * 2.0)
-		bounds->sphere.radius = (float)(reach + light_size(light->position) * LIGHT_RELATIVE);
-	else
-		reach = (double)INFINITY;
-	if (light->kind == STILB_SCENE_LIGHT_SPOT) {
+	if (light->kind == STILB_SCENE_LIGHT_SPOT && radius >= 0.0f) {
 		double length = sqrt(dot3(light->direction, light->direction)), cosine = (double)light->cos_outer;
 		bounds_cone(bounds, light, light_smaller(cosine, cosine / length), reach);
 	}
-	if (light->kind == STILB_SCENE_LIGHT_DISK || light->kind == STILB_SCENE_LIGHT_RECTANGLE)
+	if ((light->kind == STILB_SCENE_LIGHT_DISK || light->kind == STILB_SCENE_LIGHT_RECTANGLE) && radius >= 0.0f)
 		bounds_cone(bounds, light, 0.0, reach);
 }
 
