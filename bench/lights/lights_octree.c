@@ -9,7 +9,6 @@
 #include <string.h>
 
 #define MOVING 10u /* every so-manieth moves */
-#define AHEAD 8u   /* moving lights by which memory is fetched early */
 #define SWING 1.0f /* metres to both sides */
 #define SEEN 0.01  /* share of lights in view that is aimed at */
 
@@ -67,9 +66,6 @@ static float place_of(const world *w, uint32_t i, uint32_t frame)
 static void frame_lights(world *w, uint32_t frame)
 {
 	for (uint32_t i = frame % MOVING; i < w->count; i += MOVING) {
-		uint32_t ahead = i + AHEAD * MOVING < w->count ? i + AHEAD * MOVING : i;
-		__builtin_prefetch(&w->lights[ahead]); /* of the stride no prefetcher knows */
-		__builtin_prefetch(&w->lights[ahead].reach);
 		w->lights[i].position[0] = place_of(w, i, frame);
 		check(stilb_cull_octree_move(w->octree, i, stilb_light_bounds_of(&w->lights[i]).sphere));
 	}
