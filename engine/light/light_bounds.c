@@ -16,14 +16,10 @@ static double dot3(const float a[3], const float b[3])
 	return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
 }
 
-static double size3(const float a[3])
-{
-	return fabs((double)a[0]) + fabs((double)a[1]) + fabs((double)a[2]);
-}
-
 static double brightest(const stilb_scene_light *light)
 {
-	return (double)fmaxf(fmaxf(light->intensity[0], light->intensity[1]), light->intensity[2]);
+	return light_larger((double)light->intensity[0],
+	                    light_larger((double)light->intensity[1], (double)light->intensity[2]));
 }
 
 /* The distance at which intensity * share(d) / d^2 falls to irradiance, share being the falloff's. With u = (d /
@@ -32,7 +28,8 @@ static double reach_of(const stilb_scene_light *light, double intensity, double 
 {
 	if (light->falloff == STILB_SCENE_LIGHT_PHYSICAL)
 		return sqrt(intensity / irradiance);
-	double end = fmax((double)light->reach, REACH_MIN), q = irradiance * end * end / intensity, u = 1.0 / (1.0 + q);
+	double end = light_larger((double)light->reach, REACH_MIN), q = irradiance * end * end / intensity,
+		   u = 1.0 / (1.0 + q);
 	if (light->falloff == STILB_SCENE_LIGHT_WINDOWED)
 		u = 2.0 / (2.0 + q + sqrt(q * q + 4.0 * q));
 	if (light->falloff == STILB_SCENE_LIGHT_RANGED)
@@ -49,13 +46,14 @@ double light_reach(const stilb_scene_light *light, double irradiance)
 	if (!(intensity > 0.0))
 		return 0.0;
 	if (!(irradiance > 0.0))
-		return light->falloff == STILB_SCENE_LIGHT_PHYSICAL ? (double)INFINITY : fmax((double)light->reach, REACH_MIN);
+		return light->falloff == STILB_SCENE_LIGHT_PHYSICAL ? (double)INFINITY
+		                                                    : light_larger((double)light->reach, REACH_MIN);
 	double reach = reach_of(light, intensity, irradiance);
 	if (light->kind == STILB_SCENE_LIGHT_RECTANGLE) {
 		double xx = dot3(light->half_x, light->half_x), yy = dot3(light->half_y, light->half_y);
 		double wider = reach_of(light, intensity * (double)SHADE_PI * (xx + yy) / (4.0 * sqrt(xx * yy)), irradiance);
 		double farther = sqrt(intensity / irradiance) + sqrt(xx + yy);
-		reach = fmin(wider, farther);
+		reach = light_smaller(wider, farther);
 	}
 	return reach;
 }
@@ -84,7 +82,7 @@ static void bounds_cone(stilb_light_bounds *bounds, const stilb_scene_light *lig
 	cosine -= COSINE_GROWTH;
 	if (cosine <= -1.0)
 		return;
-	pull = (1.01 * REACH_MIN + size3(light->position) * LIGHT_RELATIVE) / sqrt(1.0 - cosine * cosine);
+	pull = (1.01 * REACH_MIN + light_size(light->position) * LIGHT_RELATIVE) / sqrt(1.0 - cosine * cosine);
 	for (int i = 0; i < 3; i++) {
 		axis[i] = (double)light->direction[i] / length;
 		apex[i] = (double)light->position[i] - axis[i] * pull;
@@ -96,36 +94,38 @@ static void bounds_cone(stilb_light_bounds *bounds, const stilb_scene_light *lig
 		bounds_shorten(bounds, apex, axis, cosine, reach + pull);
 }
 
-stilb_light_bounds light_bounds_within(const stilb_scene_light *light, double reach)
+/* The radius of the sphere around the light's centre, as stilb_light_bounds has it; *reach: with room for rounding. */
+static float bounds_radius(const stilb_scene_light *light, double *reach)
 {
-	stilb_light_bounds bounds = {.sphere = {.radius = INFINITY}, .cos_angle = -1.0f};
-	if (light->kind == STILB_SCENE_LIGHT_DIRECTIONAL) {
-		if (!(brightest(light) > 0.0))
-			bounds.sphere.radius = -1.0f;
-		return bounds;
-	}
-	bounds.sphere = (stilb_sphere){light->position[0], light->position[1], light->position[2], INFINITY};
-	reach = fmin(reach, light_reach(light, 0.0));
-	if (!(reach > 0.0)) {
-		bounds.sphere.radius = -1.0f;
-		return bounds;
-	}
-	reach = reach * (1.0 + REACH_GROWTH);
-	if (reach <= REACH_MAX * 2.0)
-		bounds.sphere.radius = (float)(reach + size3(light->position) * LIGHT_RELATIVE);
-	else
-		reach = (double)INFINITY;
-	if (light->kind == STILB_SCENE_LIGHT_SPOT) {
+	if (light->kind == STILB_SCENE_LIGHT_DIRECTIONAL)
+		return brightest(light) > 0.0 ? INFINITY : -1.0f;
+	*reach = light_smaller(*reach, light_reach(light, 0.0));
+	if (!(*reach > 0.0))
+		return -1.0f;
+	*reach *= 1.0 + REACH_GROWTH;
+	if (*reach <= REACH_MAX * 2.0)
+		return (float)(*reach + light_size(light->position) * LIGHT_RELATIVE);
+	*reach = (double)INFINITY;
+	return INFINITY;
+}
+
+void light_bounds_within(const stilb_scene_light *light, double reach, stilb_light_bounds *bounds)
+{
+	float radius = bounds_radius(light, &reach);
+	bounds->sphere = (stilb_sphere){light->position[0], light->position[1], light->position[2], radius};
+	bounds->cos_angle = -1.0f;
+	if (light->kind == STILB_SCENE_LIGHT_SPOT && radius >= 0.0f) {
 		double length = sqrt(dot3(light->direction, light->direction)), cosine = (double)light->cos_outer;
-		bounds_cone(&bounds, light, fmin(cosine, cosine / length), reach);
+		bounds_cone(bounds, light, light_smaller(cosine, cosine / length), reach);
 	}
-	if (light->kind == STILB_SCENE_LIGHT_DISK || light->kind == STILB_SCENE_LIGHT_RECTANGLE)
-		bounds_cone(&bounds, light, 0.0, reach);
-	return bounds;
+	if ((light->kind == STILB_SCENE_LIGHT_DISK || light->kind == STILB_SCENE_LIGHT_RECTANGLE) && radius >= 0.0f)
+		bounds_cone(bounds, light, 0.0, reach);
 }
 
 stilb_light_bounds stilb_light_bounds_of(const stilb_scene_light *light)
 {
+	stilb_light_bounds bounds = {0};
 	STILB_ASSERT(light);
-	return light_bounds_within(light, (double)INFINITY);
+	light_bounds_within(light, (double)INFINITY, &bounds);
+	return bounds;
 }

@@ -6,48 +6,60 @@
 
 #include <stdatomic.h>
 
-/* Lights that reach a part of the view, an array for each component, in the scene's order. */
+/* What is found of a chunk of candidates. */
+typedef struct light_found {
+	uint32_t count, everywhere_count; /* lights that reach a part of the view, and all of it */
+	uint32_t gap;                     /* places of the chunks before it that are empty */
+} light_found;
+
+/* Lights that reach a part of the view, an array for each component, in the scene's order. Candidates are worked on in
+ * chunks; what is found of a chunk stands from its first place on, with a gap behind it. */
 typedef struct light_reaching {
 	float *x, *y, *w, *depth, *radius; /* of the sphere: clip coordinates and depth of its centre; metres */
 	uint8_t *first_slice, *last_slice;
 	light_cone *cones;
-	uint32_t *index; /* in the scene */
-	uint32_t count, capacity;
+	uint32_t *number;     /* the own place, with LIGHT_WITH_CONE */
+	uint32_t *index;      /* in the scene */
+	uint32_t *everywhere; /* those that reach everywhere: indices in the scene */
+	light_found *chunks;
+	uint32_t chunk_count, count, everywhere_count, capacity;
 } light_reaching;
 
-/* Some masks of one block, one after the other. */
-typedef struct light_segment {
-	uint32_t block; /* of the unit, from the left */
-	uint32_t count;
-} light_segment;
+#define LIGHT_BAND_ROWS 8u  /* most rows of a band */
+#define LIGHT_UNIT_BANDS 4u /* most bands of a unit */
 
-/* The cells of one slice and LIGHT_BLOCK rows: what one job works on. Its blocks lie side by side. */
-typedef struct light_unit {
-	uint64_t *masks;  /* [count] which cells of a block a light reaches; never 0; in each block the lights ascend */
-	uint32_t *lights; /* [count] */
-	light_segment *segments;
-	uint32_t count, capacity, segment_count, segment_capacity;
-	uint64_t id_count; /* all bits of all masks */
-	uint64_t first_id; /* in the lists */
+/* One row of a slice. */
+typedef struct light_row {
+	uint32_t *numbers; /* [count] the lights that reach it, ascending */
+	light_span *spans; /* [count] what they reach of it */
+	uint32_t count;
+} light_row;
+
+/* Some rows of one slice, whose cells lie side by side. */
+typedef struct light_band {
+	light_row rows[LIGHT_BAND_ROWS];
+	uint32_t capacity; /* of each row; they share one block of memory */
 	uint32_t longest;  /* list */
-} light_unit;
+	uint64_t id_count; /* cells of all spans */
+	uint64_t first_id; /* in the lists */
+} light_band;
 
 struct light_scratch {
 	light_view view;
 	light_reaching reaching;
-	uint32_t *everywhere;                        /* [capacity] in chunks, as reaching while it is filled */
-	uint32_t *chunk_reaching, *chunk_everywhere; /* how many of each chunk of candidates reach a part, and all */
-	light_unit *units;
-	uint32_t unit_capacity;
-	uint32_t *counters; /* [units][blocks][LIGHT_BLOCK_CELLS] lengths of the lists */
+	light_band *bands; /* [slices][bands of the view] */
+	uint32_t band_capacity;
+	uint32_t *counters; /* [slices][rows][columns + 1] lengths of the lists */
 	size_t counter_capacity;
 	uint32_t light_capacity, start_capacity, id_capacity; /* of the lists' arrays */
 	const light_kernels *kernels;
 	uint32_t serial_below; /* LIGHT_SERIAL_BELOW; tests change it */
 };
 
-/* Least number of lights times units for which several threads are used: less takes no longer than waking one. */
+/* Least work for which several threads are used: less takes no longer than waking one. Counted in lights times bands;
+ * the cells of a band take as long as so many lights. */
 #define LIGHT_SERIAL_BELOW 8192u
+#define LIGHT_CELLS_WORK 64u
 
 /* What a build is asked for. */
 typedef struct light_build {
@@ -56,40 +68,49 @@ typedef struct light_build {
 	const stilb_light_grid *grid;
 	const stilb_scene_light *lights;
 	const uint32_t *candidates;
-	uint32_t count;        /* of candidates */
-	double irradiance;     /* what a light may send where it is left out */
-	bool without_physical; /* lights that reach everywhere are only counted */
+	uint32_t count;    /* of candidates */
+	double irradiance; /* what a light may send where it is left out */
 	stilb_job_pool *pool;
 	uint32_t worker;
 	atomic_bool failed; /* relaxed: no memory; read after the loop, which orders it */
 } light_build;
 
-/* Fills scratch->reaching, lists->lights, light_count and everywhere_count. */
+/* Fills scratch->reaching. */
 stilb_result light_reaching_find(light_build *build);
 
-/* Fills the units' masks and counters. */
-stilb_result light_units_fill(light_build *build);
+/* Fills the bands and the counters. */
+stilb_result light_bands_fill(light_build *build);
 
 /* Calls fn for slices of 0 .. count - 1; on the pool if there is enough to do. */
 void light_spread(light_build *build, uint32_t count, stilb_job_range_fn *fn);
 
-void light_units_finish(struct light_scratch *scratch);
-void light_reaching_finish(struct light_scratch *scratch);
+void light_bands_finish(struct light_scratch *scratch);
+void light_reaching_finish(light_reaching *reaching);
 
-/* Units and blocks of a view. */
+/* Bands of a slice. */
 static inline uint32_t light_bands(const light_view *view)
 {
-	return (view->rows + LIGHT_BLOCK - 1) / LIGHT_BLOCK;
+	return (view->rows + LIGHT_BAND_ROWS - 1) / LIGHT_BAND_ROWS;
 }
 
-static inline uint32_t light_blocks(const light_view *view)
-{
-	return (view->columns + LIGHT_BLOCK - 1) / LIGHT_BLOCK;
-}
-
+/* Units of a slice: as few bands as evenly as can be. */
 static inline uint32_t light_units(const light_view *view)
 {
-	return light_bands(view) * view->slices;
+	return (light_bands(view) + LIGHT_UNIT_BANDS - 1) / LIGHT_UNIT_BANDS;
+}
+
+/* The first row of a band. */
+static inline uint32_t light_band_row(const light_view *view, uint32_t band)
+{
+	uint32_t row = band * LIGHT_BAND_ROWS;
+	return row < view->rows ? row : view->rows;
+}
+
+/* The counters of a row. */
+static inline uint32_t *light_counters(const struct light_scratch *scratch, uint32_t slice, uint32_t row)
+{
+	const light_view *view = &scratch->view;
+	return scratch->counters + ((size_t)slice * view->rows + row) * (view->columns + 1);
 }
 
 #endif

@@ -4,131 +4,136 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-#define HALF_SPACE_MAX 1e-4f /* cosines from minus this on are those of flat lights */
-#define HALF_SPACE_PULL 2e-5 /* share of the radius: more than cosines of flat lights are below 0 */
+#define LIGHT_COUNT_MAX 0x7fff0000u /* below LIGHT_WITH_CONE */
+#define HALF_SPACE_MAX 1e-4f        /* cosines from minus this on are those of flat lights */
+#define LIGHT_QUICK_GROWTH 1.00001  /* of a reach: more than light_bounds_within adds, but for what a place needs */
+#define HALF_SPACE_PULL 2e-5        /* share of the radius: more than cosines of flat lights are below 0 */
 
-void light_reaching_finish(struct light_scratch *scratch)
+void light_reaching_finish(light_reaching *r)
 {
-	light_reaching *r = &scratch->reaching;
 	free(r->x);
 	free(r->first_slice);
 	free(r->cones);
-	free(r->index);
-	free(scratch->everywhere);
-	free(scratch->chunk_reaching);
+	free(r->number);
+	free(r->chunks);
 	*r = (light_reaching){0};
-	scratch->everywhere = scratch->chunk_reaching = scratch->chunk_everywhere = NULL;
 }
 
-static bool reaching_reserve(struct light_scratch *scratch, uint32_t count)
+static bool reaching_reserve(light_reaching *r, uint32_t count)
 {
-	light_reaching *r = &scratch->reaching;
 	uint32_t chunks = count / LIGHT_CHUNK + 1;
 	if (chunks * LIGHT_CHUNK <= r->capacity)
 		return true;
-	light_reaching_finish(scratch);
+	light_reaching_finish(r);
 	chunks += chunks / 4;
-	size_t room = (size_t)chunks * LIGHT_CHUNK, stride = room + LIGHT_LANES;
-	r->x = stilb_memory_alloc(5 * stride, sizeof *r->x);
-	r->first_slice = stilb_memory_alloc(2 * stride, sizeof *r->first_slice);
+	size_t room = (size_t)chunks * LIGHT_CHUNK;
+	r->x = stilb_memory_alloc(5 * room, sizeof *r->x);
+	r->first_slice = stilb_memory_alloc(2 * room, sizeof *r->first_slice);
 	r->cones = stilb_memory_alloc(room, sizeof *r->cones);
-	r->index = stilb_memory_alloc(room, sizeof *r->index);
-	scratch->everywhere = stilb_memory_alloc(room, sizeof *scratch->everywhere);
-	scratch->chunk_reaching = stilb_memory_alloc(2 * (size_t)chunks, sizeof *scratch->chunk_reaching);
-	if (!r->x || !r->first_slice || !r->cones || !r->index || !scratch->everywhere || !scratch->chunk_reaching) {
-		light_reaching_finish(scratch);
+	r->number = stilb_memory_alloc(3 * room, sizeof *r->number);
+	r->chunks = stilb_memory_alloc(chunks, sizeof *r->chunks);
+	if (!r->x || !r->first_slice || !r->cones || !r->number || !r->chunks) {
+		light_reaching_finish(r);
 		return false;
 	}
-	r->y = r->x + stride;
-	r->w = r->y + stride;
-	r->depth = r->w + stride;
-	r->radius = r->depth + stride;
-	r->last_slice = r->first_slice + stride;
-	scratch->chunk_everywhere = scratch->chunk_reaching + chunks;
+	r->y = r->x + room;
+	r->w = r->y + room;
+	r->depth = r->w + room;
+	r->radius = r->depth + room;
+	r->last_slice = r->first_slice + room;
+	r->index = r->number + room;
+	r->everywhere = r->index + room;
 	r->capacity = (uint32_t)room;
 	return true;
 }
 
-static double affine(const double row[4], const float p[3])
+/* Four affine functions of a point. */
+static light_four affine(const light_four functions[4], const float p[3])
 {
-	return row[0] * (double)p[0] + row[1] * (double)p[1] + row[2] * (double)p[2] + row[3];
-}
-
-/* True if a sphere reaches between the outer planes. */
-static bool between(const light_planes *planes, uint32_t count, double across, double w, double radius)
-{
-	return across * (double)planes->inverse[0] - w * (double)planes->offset[0] >= -radius &&
-	       across * (double)planes->inverse[count] - w * (double)planes->offset[count] <= radius;
-}
-
-/* The first slice that ends at depth or beyond. */
-static uint32_t slice_ending(const light_view *view, float depth)
-{
-	uint32_t low = 0, high = view->slices - 1;
-	while (low < high) {
-		uint32_t middle = (low + high) / 2;
-		if (view->far_z[middle] < depth)
-			low = middle + 1;
-		else
-			high = middle;
+	light_four sum = functions[3];
+	for (int k = 0; k < 3; k++) {
+		light_two factor = {(double)p[k], (double)p[k]};
+		sum.low += functions[k].low * factor;
+		sum.high += functions[k].high * factor;
 	}
-	return low;
+	return sum;
 }
 
-/* The last slice that begins at depth or before. */
-static uint32_t slice_beginning(const light_view *view, float depth)
+/* What is added to a radius, metres: covers the rounding of all that follows. */
+static double slack_of(const light_view *view, const float p[3], double radius)
 {
-	uint32_t low = 0, high = view->slices - 1;
-	while (low < high) {
-		uint32_t middle = (low + high + 1) / 2;
-		if (view->near_z[middle] > depth)
-			high = middle - 1;
-		else
-			low = middle;
-	}
-	return low;
+	return LIGHT_RELATIVE * (view->growth * (light_size(p) + radius) + view->reach);
 }
 
-static light_cone cone_of(const stilb_light_bounds *bounds, double slack)
+/* True if a sphere reaches the space that the view shows. */
+static bool reaches_view(const light_view *view, const float p[3], double radius)
+{
+	light_four sides = affine(view->sides, p);
+	double depth = view->depth[0] * (double)p[0] + view->depth[1] * (double)p[1] + view->depth[2] * (double)p[2];
+	return light_smaller(light_smaller(sides.low[0], sides.low[1]), light_smaller(sides.high[0], sides.high[1])) >=
+	           -radius &&
+	       depth + view->depth[3] >= -radius;
+}
+
+static light_cone cone_of(const light_view *view, const stilb_light_bounds *bounds, double slack)
 {
 	light_cone cone = {.some = bounds->cos_angle >= -HALF_SPACE_MAX};
 	if (!cone.some)
 		return cone;
-	double cosine = fmax((double)bounds->cos_angle, 0.0);
+	double cosine = light_larger((double)bounds->cos_angle, 0.0);
 	double pull = bounds->cos_angle < 0.0f ? HALF_SPACE_PULL * (double)bounds->sphere.radius : 0.0;
 	cone.cosine = (float)cosine;
 	cone.sine = (float)sqrt(1.0 - cosine * cosine);
 	cone.slack = (float)slack;
 	for (int i = 0; i < 3; i++) {
 		cone.axis[i] = bounds->axis[i];
-		cone.apex[i] = (float)((double)bounds->apex[i] - (double)bounds->axis[i] * pull);
+		cone.base[i] = (float)(view->base[i] - (double)bounds->apex[i] + (double)bounds->axis[i] * pull);
 	}
 	return cone;
 }
 
-/* Stores a light with an end as number `at`. False: it does not reach the view. */
-static bool reaching_store(const light_view *view, light_reaching *r, uint32_t at, const stilb_light_bounds *bounds)
+/* Stores a light with an end as number `at`. */
+static void reaching_store(const light_view *view, light_reaching *r, uint32_t at, const stilb_light_bounds *bounds)
 {
 	const float p[3] = {bounds->sphere.x, bounds->sphere.y, bounds->sphere.z};
-	double place = fabs((double)p[0]) + fabs((double)p[1]) + fabs((double)p[2]);
-	double slack = LIGHT_RELATIVE * (view->growth * (place + (double)bounds->sphere.radius) + view->reach);
-	double radius = (double)bounds->sphere.radius + slack;
-	double x = affine(view->clip[0], p), y = affine(view->clip[1], p), w = affine(view->clip[2], p);
-	double depth = affine(view->depth, p);
-	if (depth < -radius || !between(&view->column_planes, view->columns, x, w, radius) ||
-	    !between(&view->row_planes, view->rows, y, w, radius))
+	double slack = slack_of(view, p, (double)bounds->sphere.radius);
+	light_four clip = affine(view->functions, p);
+	r->x[at] = (float)clip.low[0];
+	r->y[at] = (float)clip.low[1];
+	r->w[at] = (float)clip.high[0];
+	r->depth[at] = (float)clip.high[1];
+	r->radius[at] = (float)((double)bounds->sphere.radius + slack);
+	r->cones[at] = cone_of(view, bounds, slack);
+	r->number[at] = at | (r->cones[at].some ? LIGHT_WITH_CONE : 0);
+}
+
+/* False if a light with a place cannot reach the view: a quick test, without its cone. */
+static bool may_reach(const light_build *build, const stilb_scene_light *light, double reach)
+{
+	const light_view *view = &build->scratch->view;
+	double radius = reach * LIGHT_QUICK_GROWTH;
+	return reaches_view(view, light->position, radius + 2.0 * slack_of(view, light->position, radius));
+}
+
+/* What the light reaches of the view, but for what ends in `reach`. False: nothing. */
+static bool light_reaches(const light_build *build, const stilb_scene_light *light, stilb_light_bounds *bounds)
+{
+	const light_view *view = &build->scratch->view;
+	double reach = (double)INFINITY;
+	if (light->use == STILB_SCENE_LIGHT_BAKED)
 		return false;
-	r->x[at] = (float)x;
-	r->y[at] = (float)y;
-	r->w[at] = (float)w;
-	r->depth[at] = (float)depth;
-	r->radius[at] = (float)radius;
-	r->first_slice[at] = (uint8_t)slice_ending(view, (float)(depth - radius));
-	r->last_slice[at] = (uint8_t)slice_beginning(view, (float)(depth + radius));
-	r->cones[at] = cone_of(bounds, slack);
-	return true;
+	if (light->kind != STILB_SCENE_LIGHT_DIRECTIONAL) {
+		reach = light_reach(light, build->irradiance);
+		if (!(reach > 0.0) || !may_reach(build, light, reach))
+			return false;
+	}
+	light_bounds_within(light, reach, bounds);
+	if (bounds->cos_angle <= -1.0f || isinf(bounds->sphere.radius))
+		return bounds->sphere.radius >= 0.0f;
+	const float p[3] = {bounds->sphere.x, bounds->sphere.y, bounds->sphere.z};
+	double radius = (double)bounds->sphere.radius;
+	return reaches_view(view, p, radius + slack_of(view, p, radius)); /* the cone has made the sphere smaller */
 }
 
 /* Sorts the candidates of chunks begin .. end - 1; each chunk's results begin where its candidates do. */
@@ -138,74 +143,40 @@ static void light_job_reaching(uint32_t begin, uint32_t end, uint32_t worker, vo
 	(void)worker;
 	const light_build *build = context;
 	struct light_scratch *scratch = build->scratch;
+	light_reaching *r = &scratch->reaching;
 	for (uint32_t chunk = begin; chunk < end; chunk++) {
 		uint32_t first = chunk * LIGHT_CHUNK, at = first, everywhere = first;
 		uint32_t last = build->count - first < LIGHT_CHUNK ? build->count : first + LIGHT_CHUNK;
 		for (uint32_t i = first; i < last; i++) {
 			uint32_t index = build->candidates ? build->candidates[i] : i;
-			const stilb_scene_light *light = &build->lights[index];
-			if (light->use == STILB_SCENE_LIGHT_BAKED)
-				continue;
-			double reach = light->kind == STILB_SCENE_LIGHT_DIRECTIONAL ? 0.0 : light_reach(light, build->irradiance);
-			stilb_light_bounds bounds = light_bounds_within(light, reach);
-			if (bounds.sphere.radius < 0.0f)
+			stilb_light_bounds bounds;
+			if (!light_reaches(build, &build->lights[index], &bounds))
 				continue;
 			if (isinf(bounds.sphere.radius)) {
-				scratch->everywhere[everywhere++] = index;
-			} else if (reaching_store(&scratch->view, &scratch->reaching, at, &bounds)) {
-				scratch->reaching.index[at++] = index;
+				r->everywhere[everywhere++] = index;
+			} else {
+				reaching_store(&scratch->view, r, at, &bounds);
+				r->index[at++] = index;
 			}
 		}
-		scratch->chunk_reaching[chunk] = at - first;
-		scratch->chunk_everywhere[chunk] = everywhere - first;
+		scratch->kernels->slices(&scratch->view.depths, r->depth + first, r->radius + first, at - first,
+		                         r->first_slice + first, r->last_slice + first);
+		r->chunks[chunk] = (light_found){.count = at - first, .everywhere_count = everywhere - first};
 	}
-}
-
-static void move_floats(float *floats, uint32_t to, uint32_t from, uint32_t count)
-{
-	memmove(floats + to, floats + from, count * sizeof *floats);
-}
-
-/* Moves count lights to the end of those that are in place. */
-static void reaching_append(light_reaching *r, uint32_t from, uint32_t count)
-{
-	uint32_t to = r->count;
-	r->count += count;
-	if (to == from || count == 0)
-		return;
-	move_floats(r->x, to, from, count);
-	move_floats(r->y, to, from, count);
-	move_floats(r->w, to, from, count);
-	move_floats(r->depth, to, from, count);
-	move_floats(r->radius, to, from, count);
-	memmove(r->first_slice + to, r->first_slice + from, count);
-	memmove(r->last_slice + to, r->last_slice + from, count);
-	memmove(r->cones + to, r->cones + from, count * sizeof *r->cones);
-	memmove(r->index + to, r->index + from, count * sizeof *r->index);
 }
 
 stilb_result light_reaching_find(light_build *build)
 {
-	struct light_scratch *scratch = build->scratch;
-	light_reaching *r = &scratch->reaching;
-	uint32_t chunks = (build->count + LIGHT_CHUNK - 1) / LIGHT_CHUNK, everywhere = 0;
-	if (!reaching_reserve(scratch, build->count))
+	light_reaching *r = &build->scratch->reaching;
+	if (build->count > LIGHT_COUNT_MAX || !reaching_reserve(r, build->count))
 		return stilb_fail(STILB_ERROR_MEMORY, "light lists: no memory for %u lights", build->count);
-	light_spread(build, chunks, light_job_reaching);
-	r->count = 0;
-	for (uint32_t chunk = 0; chunk < chunks; chunk++) {
-		uint32_t first = chunk * LIGHT_CHUNK;
-		reaching_append(r, first, scratch->chunk_reaching[chunk]);
-		memmove(scratch->everywhere + everywhere, scratch->everywhere + first,
-		        scratch->chunk_everywhere[chunk] * sizeof *scratch->everywhere);
-		everywhere += scratch->chunk_everywhere[chunk];
+	r->chunk_count = (build->count + LIGHT_CHUNK - 1) / LIGHT_CHUNK;
+	light_spread(build, r->chunk_count, light_job_reaching);
+	r->count = r->everywhere_count = 0;
+	for (uint32_t c = 0; c < r->chunk_count; c++) {
+		r->chunks[c].gap = c * LIGHT_CHUNK - r->count;
+		r->count += r->chunks[c].count;
+		r->everywhere_count += r->chunks[c].everywhere_count;
 	}
-	for (uint32_t i = r->count; i < r->count + LIGHT_LANES; i++) { /* what vectors read beyond them is in no slice */
-		r->x[i] = r->y[i] = r->w[i] = r->depth[i] = r->radius[i] = 0.0f;
-		r->first_slice[i] = UINT8_MAX;
-		r->last_slice[i] = 0;
-	}
-	build->lists->everywhere_count = everywhere;
-	build->lists->light_count = everywhere + r->count;
 	return STILB_OK;
 }

@@ -87,11 +87,11 @@ static bool view_space(light_view *view, const stilb_mat4 *matrix)
 	double by_ray = perspective ? 1.0 : 0.0, by_base = 1.0 - by_ray;
 	for (int i = 0; i < 3; i++) {
 		view->base[i] = -(yz[i] * x[3] + zx[i] * y[3] + xy[i] * view->depth[3]) / volume;
-		view->ray[i] = xy[i] / volume;
-		view->ray_x[i] = by_ray * yz[i] / volume;
-		view->ray_y[i] = by_ray * zx[i] / volume;
-		view->base_x[i] = by_base * yz[i] / volume;
-		view->base_y[i] = by_base * zx[i] / volume;
+		view->rays.ray[i] = (float)(xy[i] / volume);
+		view->rays.ray_x[i] = (float)(by_ray * yz[i] / volume);
+		view->rays.ray_y[i] = (float)(by_ray * zx[i] / volume);
+		view->rays.base_x[i] = (float)(by_base * yz[i] / volume);
+		view->rays.base_y[i] = (float)(by_base * zx[i] / volume);
 	}
 	for (int i = 0; i < 3; i++)
 		view->along[i] = (float)dot(view->clip[i], view->depth);
@@ -109,8 +109,8 @@ static double edge_of(uint32_t tile_index, uint32_t tile, uint32_t size)
  * */
 static bool view_planes(light_view *view, int axis, uint32_t count, uint32_t tile, uint32_t size)
 {
-	light_planes *planes = axis == 0 ? &view->column_planes : &view->row_planes;
-	float *edges = axis == 0 ? view->edge_x : view->edge_y;
+	light_planes *planes = axis == 0 ? &view->column_planes.planes : &view->row_planes;
+	float *edges = axis == 0 ? view->rays.edge_x : view->rays.edge_y;
 	const double *clip = view->clip[axis], *w = view->clip[2];
 	for (uint32_t i = 0; i < count + 1 + LIGHT_LANES; i++) {
 		double edge = edge_of(i < count ? i : count, tile, size), normal[3];
@@ -133,6 +133,38 @@ static bool view_planes(light_view *view, int axis, uint32_t count, uint32_t til
 	return true;
 }
 
+/* The functions of lights' places that are found first. */
+static void view_functions(light_view *view)
+{
+	const light_planes *planes[2] = {&view->column_planes.planes, &view->row_planes};
+	const uint32_t counts[2] = {view->columns, view->rows};
+	for (int k = 0; k < 4; k++) {
+		view->functions[k].low = (light_two){view->clip[0][k], view->clip[1][k]};
+		view->functions[k].high = (light_two){view->clip[2][k], view->depth[k]};
+		for (int axis = 0; axis < 2; axis++) {
+			double low = view->clip[axis][k] * (double)planes[axis]->inverse[0];
+			double high = view->clip[axis][k] * (double)planes[axis]->inverse[counts[axis]];
+			low -= view->clip[2][k] * (double)planes[axis]->offset[0];
+			high -= view->clip[2][k] * (double)planes[axis]->offset[counts[axis]];
+			*(axis == 0 ? &view->sides[k].low : &view->sides[k].high) = (light_two){low, -high};
+		}
+	}
+}
+
+/* What tangents are found by. */
+static void view_tangents(light_view *view, const stilb_light_grid *grid)
+{
+	const double *x = view->clip[0], *w = view->clip[2];
+	double xx = dot(x, x), xw = dot(x, w), ww = dot(w, w), tiles = (double)grid->width / (double)grid->tile;
+	light_columns *columns = &view->column_planes;
+	columns->count = view->columns;
+	columns->xx = (float)xx;
+	columns->xw = (float)xw;
+	columns->ww = (float)ww;
+	columns->area = (float)(xx * ww - xw * xw);
+	columns->scale = columns->shift = (float)(0.5 * tiles);
+}
+
 /* The depths between which slices lie: a little farther apart than a shader finds, whose log2 has 3 units in the last
  * place. */
 static void view_slices(light_view *view, const stilb_light_grid *grid, stilb_light_lists *lists)
@@ -144,15 +176,16 @@ static void view_slices(light_view *view, const stilb_light_grid *grid, stilb_li
 	}
 	lists->slice_scale = (float)scale;
 	lists->slice_bias = (float)bias;
-	view->near_z[0] = 0.0f;
+	view->depths.count = view->slices;
+	view->depths.near_z[0] = 0.0f;
 	for (uint32_t k = 1; k < view->slices; k++) {
 		double power = ((double)k - (double)lists->slice_bias) / (double)lists->slice_scale;
 		double slip = LIGHT_RELATIVE * (1.0 + fabs(power)) +
 		              LIGHT_RELATIVE * ((double)k + fabs((double)lists->slice_bias)) / (double)lists->slice_scale;
-		view->near_z[k] = (float)(exp2(power - slip) * (1.0 - LIGHT_RELATIVE));
-		view->far_z[k - 1] = (float)(exp2(power + slip) * (1.0 + LIGHT_RELATIVE));
+		view->depths.near_z[k] = (float)(exp2(power - slip) * (1.0 - LIGHT_RELATIVE));
+		view->depths.far_z[k - 1] = (float)(exp2(power + slip) * (1.0 + LIGHT_RELATIVE));
 	}
-	view->far_z[view->slices - 1] = INFINITY;
+	view->depths.far_z[view->slices - 1] = INFINITY;
 }
 
 /* The arrays of the planes. */
@@ -168,11 +201,11 @@ static bool view_reserve(light_view *view)
 		view->capacity = floats;
 	}
 	float *at = view->memory;
-	view->column_planes = (light_planes){.inverse = at, .offset = at + across};
-	view->edge_x = at + 2 * across;
+	view->column_planes.planes = (light_planes){.inverse = at, .offset = at + across};
+	view->rays.edge_x = at + 2 * across;
 	at += 3 * across;
 	view->row_planes = (light_planes){.inverse = at, .offset = at + down, .x = at + 2 * down, .w = at + 3 * down};
-	view->edge_y = at + 4 * down;
+	view->rays.edge_y = at + 4 * down;
 	return true;
 }
 
@@ -200,6 +233,8 @@ stilb_result light_view_make(light_view *view, const stilb_light_grid *grid, sti
 	    !view_planes(view, 1, view->rows, grid->tile, grid->height))
 		return stilb_fail(STILB_ERROR_ARGUMENT,
 		                  "light lists: view_projection is no perspective and no orthographic view");
+	view_functions(view);
+	view_tangents(view, grid);
 	view_slices(view, grid, lists);
 	view->reach = fmax(view->reach, fabs(view->depth[3]));
 	lists->columns = view->columns;
@@ -208,43 +243,4 @@ stilb_result light_view_make(light_view *view, const stilb_light_grid *grid, sti
 	for (int i = 0; i < 4; i++)
 		lists->depth_plane[i] = (float)view->depth[i];
 	return STILB_OK;
-}
-
-/* ---- cones ------------------------------------------------------------------------------------------------------- */
-
-/* Least of normal . p over the points p of a cell: the cell is the hull of its corners. */
-static double cell_least(const light_view *view, const double normal[3], uint32_t column, uint32_t row, uint32_t slice)
-{
-	double x0 = (double)view->edge_x[column], x1 = (double)view->edge_x[column + 1];
-	double y0 = (double)view->edge_y[row], y1 = (double)view->edge_y[row + 1];
-	double bx = dot(normal, view->base_x), by = dot(normal, view->base_y);
-	double rx = dot(normal, view->ray_x), ry = dot(normal, view->ray_y);
-	double base = dot(normal, view->base) + fmin(x0 * bx, x1 * bx) + fmin(y0 * by, y1 * by);
-	double ray = dot(normal, view->ray) + fmin(x0 * rx, x1 * rx) + fmin(y0 * ry, y1 * ry);
-	return base + (ray >= 0.0 ? (double)view->near_z[slice] : (double)view->far_z[slice]) * ray;
-}
-
-/* A convex cone and a cell are apart if a plane through the apex has the cone on one side and the cell on the other. Of
- * the planes that touch the cone, the one nearest to the cell's middle is tried. */
-bool light_cone_meets(const light_view *view, const light_cone *cone, uint32_t column, uint32_t row, uint32_t slice)
-{
-	double x = 0.5 * (double)(view->edge_x[column] + view->edge_x[column + 1]);
-	double y = 0.5 * (double)(view->edge_y[row] + view->edge_y[row + 1]);
-	double z = isinf(view->far_z[slice]) ? 2.0 * (double)view->near_z[slice] + 1.0
-	                                     : 0.5 * ((double)view->near_z[slice] + (double)view->far_z[slice]);
-	double from[3], across[3], normal[3], axis[3], apex[3], along = 0.0;
-	for (int i = 0; i < 3; i++) {
-		axis[i] = (double)cone->axis[i];
-		apex[i] = (double)cone->apex[i];
-		from[i] = view->base[i] + x * view->base_x[i] + y * view->base_y[i] +
-		          z * (view->ray[i] + x * view->ray_x[i] + y * view->ray_y[i]) - apex[i];
-	}
-	along = dot(from, axis);
-	for (int i = 0; i < 3; i++)
-		across[i] = from[i] - along * axis[i];
-	double length = sqrt(dot(across, across));
-	double toward = length > 0.0 ? (double)cone->cosine / length : 0.0;
-	for (int i = 0; i < 3; i++)
-		normal[i] = toward * across[i] - (double)cone->sine * axis[i];
-	return cell_least(view, normal, column, row, slice) - dot(normal, apex) <= (double)cone->slack;
 }

@@ -284,7 +284,7 @@ test_summary() {
 		called "cmake --preset $preset $options -DSTILB_TESTS=ON"
 	done
 	called "cmake --build --preset asan"
-	called "cmake --build --preset clang --target$(printf ' stilb-tests-%s' jobs profiler base shading numeric culling render gi)"
+	called "cmake --build --preset clang --target$(printf ' stilb-tests-%s' jobs profiler base shading numeric culling light render gi)"
 	! grep -qE '^(model|truth|viewer|fuzz)' "$scratch/out" || fail "a tier without tests is in the summary"
 
 	grep -q -- '^ctest .*/build/asan .* -LE ^fuzz\$$' "$calls" || fail "the fuzzers run twice"

@@ -182,6 +182,34 @@ static inline uint32_t reference_cell(const stilb_light_lists *lists, const stil
 	return pixel[0] / grid->tile + lists->columns * (pixel[1] / grid->tile + lists->rows * z);
 }
 
+/* The point at the depth z that a place of the picture shows, [-1, 1]. */
+static inline void reference_point(const stilb_light_lists *lists, const stilb_light_grid *grid, double nx, double ny,
+                                   double z, double out[3])
+{
+	const float *m = grid->view_projection.m;
+	double rows[3][4], minors[3][3];
+	for (int k = 0; k < 4; k++) {
+		rows[0][k] = (double)m[4 * k] - nx * (double)m[4 * k + 3];
+		rows[1][k] = (double)m[4 * k + 1] - ny * (double)m[4 * k + 3];
+		rows[2][k] = (double)lists->depth_plane[k];
+	}
+	rows[2][3] -= z;
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++) {
+			const double *a = rows[(i + 1) % 3], *b = rows[(i + 2) % 3];
+			minors[i][k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+		}
+	double volume = dot_double(rows[0], minors[0]);
+	for (int k = 0; k < 3; k++)
+		out[k] = -(rows[0][3] * minors[0][k] + rows[1][3] * minors[1][k] + rows[2][3] * minors[2][k]) / volume;
+}
+
+/* Where slice k begins; of the first one 0. */
+static inline double reference_depth(const stilb_light_lists *lists, uint32_t k)
+{
+	return k > 0 ? exp2(((double)k - (double)lists->slice_bias) / (double)lists->slice_scale) : 0.0;
+}
+
 /* True if the lists say that the cell has the light. */
 static inline bool lists_have(const stilb_light_lists *lists, uint32_t cell, uint32_t light)
 {
