@@ -20,7 +20,7 @@ static int tear_down(void **state)
 	return folder_remove();
 }
 
-static void saved(const stilb_gi_render *render, const char *path)
+static void saved(stilb_gi_render *render, const char *path)
 {
 	if (stilb_gi_render_save(render, path) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
@@ -204,7 +204,7 @@ static void picture(void **state)
 
 /* ---- what goes wrong --------------------------------------------------------------------------------------------- */
 
-static void refused(const stilb_gi_render *render, const char *path, stilb_result expected)
+static void refused(stilb_gi_render *render, const char *path, stilb_result expected)
 {
 	assert_int_equal(stilb_gi_render_save(render, path), expected);
 	assert_non_null(strstr(stilb_error_message(), path));

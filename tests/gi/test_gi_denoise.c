@@ -1,0 +1,430 @@
+/* The denoiser against pictures whose truth is known: what is noise goes, what is not stays, whatever the picture's
+ * shape and the number of workers. */
+#include "gi/film/gi_denoise.h"
+#include "gi_render_fixture.h"
+
+#include <math.h>
+
+#define SAMPLES 16u
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
+
+/* What the camera sees at a pixel, and the light that comes from there. */
+typedef struct place {
+	float albedo[3], light; /* radiance is albedo x light */
+	float normal[3];
+	float depth; /* +infinity: nothing is there, and light is what is behind */
+} place;
+
+/* The truth at a pixel, and a factor for each of its samples of mean 1. */
+typedef place place_fn(uint32_t x, uint32_t y);
+typedef float noise_fn(uint64_t pixel, uint32_t sample);
+
+static place wall(uint32_t x, uint32_t y)
+{
+	(void)x;
+	(void)y;
+	return (place){{0.5f, 0.5f, 0.5f}, 2.0f, {0.0f, 0.0f, 1.0f}, 4.0f};
+}
+
+/* A texture of squares of 4 pixels in a light that grows from left to right. */
+static place texture(uint32_t x, uint32_t y)
+{
+	place p = wall(x, y);
+	bool dark = (x / 4 + y / 4) % 2 == 0;
+	for (int c = 0; c < 3; c++)
+		p.albedo[c] = dark ? 0.1f : 0.8f - 0.2f * (float)c;
+	p.light = 1.0f + 0.02f * (float)x;
+	return p;
+}
+
+/* The shadow of a straight edge, which no feature shows. */
+static place shadow(uint32_t x, uint32_t y)
+{
+	place p = wall(x, y);
+	p.light = x + y / 2 < 30 ? 2.0f : 0.2f;
+	return p;
+}
+
+/* A wall before something that glows behind it: the lower half of the picture is a miss. */
+static place half_open(uint32_t x, uint32_t y)
+{
+	place p = wall(x, y);
+	if (y >= 20)
+		p = (place){.light = 0.1f * (float)(x % 7), .depth = INFINITY};
+	return p;
+}
+
+static float even(uint64_t pixel, uint32_t sample)
+{
+	return 2.0f * stilb_random_float(pixel, sample);
+}
+
+static float none(uint64_t pixel, uint32_t sample)
+{
+	(void)pixel;
+	(void)sample;
+	return 1.0f;
+}
+
+/* Seldom a sample is a hundred times as bright. */
+static float fireflies(uint64_t pixel, uint32_t sample)
+{
+	bool bright = stilb_random_float(pixel, 1000 + sample) < 5e-4f;
+	return even(pixel, sample) * (bright ? 100.0f : 1.0f) / (1.0f + 99.0f * 5e-4f);
+}
+
+static void film_paint(gi_film *film, place_fn *at, noise_fn *noise, uint32_t samples)
+{
+	for (uint32_t y = 0; y < film->height; y++)
+		for (uint32_t x = 0; x < film->width; x++) {
+			place p = at(x, y);
+			size_t pixel = (size_t)y * film->width + x;
+			for (uint32_t i = 0; i < samples; i++) {
+				bool hit = p.depth < INFINITY;
+				float light = p.light * (hit ? noise(pixel, i) : 1.0f);
+				gi_film_sample sample = {.albedo = p.albedo, .normal = p.normal, .depth = p.depth};
+				for (int c = 0; c < 3; c++)
+					sample.radiance[c] = hit ? p.albedo[c] * light : light;
+				gi_film_add(film, pixel, &sample);
+			}
+			gi_film_resolve(film, pixel);
+		}
+}
+
+static gi_film film_make(uint32_t width, uint32_t height)
+{
+	gi_film film;
+	assert_int_equal(gi_film_create(&film, width, height, (gi_film_kind){.halves = true}), STILB_OK);
+	return film;
+}
+
+static void film_denoise(gi_film *film, uint32_t workers)
+{
+	stilb_job_pool *pool;
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	desc.worker_count = workers;
+	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
+	assert_int_equal(gi_denoise(film, pool, 0), STILB_OK);
+	stilb_job_pool_destroy(pool);
+	assert_non_null(film->denoised);
+}
+
+static float truth_at(place_fn *at, uint32_t x, uint32_t y, size_t c)
+{
+	place p = at(x, y);
+	return p.depth < INFINITY ? p.albedo[c] * p.light : p.light;
+}
+
+typedef struct errors {
+	double before, after; /* root-mean-square */
+	double bias;          /* of the mean, relative */
+} errors;
+
+static errors errors_of(const gi_film *film, place_fn *at)
+{
+	stilb_gi_film planes = gi_film_planes(film);
+	double before = 0.0, after = 0.0, sum = 0.0, input = 0.0;
+	for (uint32_t y = 0; y < film->height; y++)
+		for (uint32_t x = 0; x < film->width; x++)
+			for (size_t c = 0; c < 3; c++) {
+				size_t i = 3 * ((size_t)y * film->width + x) + c;
+				double truth = (double)truth_at(at, x, y, c);
+				assert_true(isfinite(planes.denoised[i]));
+				before += pow((double)planes.radiance[i] - truth, 2.0);
+				after += pow((double)planes.denoised[i] - truth, 2.0);
+				sum += (double)planes.denoised[i];
+				input += (double)planes.radiance[i];
+			}
+	double count = 3.0 * film->width * film->height;
+	return (errors){sqrt(before / count), sqrt(after / count), sum / input - 1.0};
+}
+
+static errors denoised(place_fn *at, noise_fn *noise)
+{
+	gi_film film = film_make(64, 48);
+	film_paint(&film, at, noise, SAMPLES);
+	film_denoise(&film, 1);
+	errors e = errors_of(&film, at);
+	gi_film_finish(&film);
+	return e;
+}
+
+/* ---- what it does ------------------------------------------------------------------------------------------------ */
+
+/* The halves of any number of samples: together they are all, and of 2^k samples each has as many. */
+static void halves(void **state)
+{
+	(void)state;
+	uint32_t first = 0;
+	for (uint32_t i = 0; i < 4096; i++) {
+		first += gi_film_is_first_half(i);
+		uint32_t count = i + 1;
+		if ((count & i) == 0 && count > 1)
+			assert_int_equal(2 * first, count);
+		if (count > 1)
+			assert_in_range(3 * first, count, 2 * count); /* a third at least in each */
+	}
+	assert_true(gi_film_is_first_half(4) && gi_film_is_first_half(5));
+	assert_false(gi_film_is_first_half(6) || gi_film_is_first_half(7));
+	assert_true(gi_film_is_first_half(1u << 31) && !gi_film_is_first_half(UINT32_MAX));
+}
+
+/* Of even noise on an even wall less than a quarter is left, and the mean stays. */
+static void even_noise_goes(void **state)
+{
+	(void)state;
+	errors e = denoised(wall, even);
+	assert_true(e.before > 0.12 && e.before < 0.17);
+	assert_true(e.after < e.before / 4.0);
+	assert_true(fabs(e.bias) < 0.001);
+}
+
+/* Noise on a texture goes, and its edges stay: the differences of pixels beside each other are right within 5 %. */
+static void texture_stays(void **state)
+{
+	(void)state;
+	gi_film film = film_make(64, 48);
+	film_paint(&film, texture, even, SAMPLES);
+	film_denoise(&film, 1);
+	errors e = errors_of(&film, texture);
+	assert_true(e.after < e.before / 3.2);
+	double wrong = 0.0, all = 0.0;
+	for (uint32_t y = 0; y < 48; y++)
+		for (uint32_t x = 0; x + 1 < 64; x++)
+			for (size_t c = 0; c < 3; c++) {
+				size_t i = 3 * ((size_t)y * 64 + x) + c;
+				double edge = (double)truth_at(texture, x + 1, y, c) - (double)truth_at(texture, x, y, c);
+				if (fabs(edge) < 0.1)
+					continue;
+				wrong += fabs((double)film.denoised[i + 3] - (double)film.denoised[i] - edge);
+				all += fabs(edge);
+			}
+	assert_true(wrong < 0.05 * all);
+	gi_film_finish(&film);
+}
+
+/* An edge that is in the light alone is not blurred into an error larger than the noise was. */
+static void shadow_stays(void **state)
+{
+	(void)state;
+	errors e = denoised(shadow, even);
+	assert_true(e.after < e.before / 3.0);
+}
+
+/* Without noise nothing changes, but for what rounding does. */
+static void clean_stays(void **state)
+{
+	(void)state;
+	assert_true(denoised(wall, none).after < 1e-6);
+	assert_true(denoised(texture, none).after < 1e-5);
+	assert_true(denoised(shadow, none).after < 1e-5);
+}
+
+/* Rare bright samples are spread over their surroundings, and their light is not lost. */
+static void fireflies_are_spread(void **state)
+{
+	(void)state;
+	errors e = denoised(wall, fireflies);
+	assert_true(e.before > 0.5);
+	assert_true(e.after < e.before / 4.0);
+	assert_true(fabs(e.bias) < 0.01);
+}
+
+/* What is behind the scene is without noise: its pixels keep their bits. */
+static void misses_keep_their_bits(void **state)
+{
+	(void)state;
+	gi_film film = film_make(64, 48);
+	film_paint(&film, half_open, even, SAMPLES);
+	film_denoise(&film, 1);
+	const float *radiance = gi_film_planes(&film).radiance;
+	size_t wall_floats = (size_t)3 * 64 * 20;
+	assert_memory_equal(film.denoised + wall_floats, radiance + wall_floats, (size_t)3 * 64 * 28 * sizeof(float));
+	assert_memory_not_equal(film.denoised, radiance, wall_floats * sizeof(float));
+	gi_film_finish(&film);
+}
+
+/* How bright a picture is does not matter: one of 2^-20 times the radiance becomes 2^-20 times the denoised one. */
+static void any_radiance(void **state)
+{
+	(void)state;
+	gi_film one = film_make(40, 30), dim = film_make(40, 30);
+	film_paint(&one, shadow, even, SAMPLES);
+	memcpy(dim.pixels, one.pixels, (size_t)40 * 30 * sizeof *one.pixels);
+	memcpy(dim.halves, one.halves, (size_t)40 * 30 * sizeof *one.halves);
+	for (size_t i = 0; i < (size_t)40 * 30; i++) {
+		for (int c = 0; c < 3; c++) {
+			dim.pixels[i].radiance[c] = ldexp(one.pixels[i].radiance[c], -20);
+			dim.pixels[i].radiance_squared[c] = ldexp(one.pixels[i].radiance_squared[c], -40);
+			dim.halves[i].radiance[c] = ldexp(one.halves[i].radiance[c], -20);
+		}
+		gi_film_resolve(&dim, i);
+	}
+	film_denoise(&one, 0);
+	film_denoise(&dim, 0);
+	for (size_t i = 0; i < (size_t)3 * 40 * 30; i++)
+		assert_true(fabsf(ldexpf(dim.denoised[i], 20) - one.denoised[i]) <= 1e-5f * one.denoised[i]);
+	gi_film_finish(&one);
+	gi_film_finish(&dim);
+}
+
+/* ---- what may come ----------------------------------------------------------------------------------------------- */
+
+/* Pictures of one pixel, row or column, and those that end within a tile or a pixel behind one. */
+static void any_shape(void **state)
+{
+	(void)state;
+	const uint32_t sizes[][2] = {{1, 1}, {1, 50}, {50, 1}, {2, 3}, {42, 42}, {43, 5}, {5, 43}, {85, 3}};
+	for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+		gi_film film = film_make(sizes[k][0], sizes[k][1]);
+		film_paint(&film, wall, even, SAMPLES);
+		film_denoise(&film, 0);
+		errors e = errors_of(&film, wall);
+		assert_true(e.after <= e.before);
+		gi_film_finish(&film);
+	}
+}
+
+/* Samples that are no numbers count as black, and those at the end of the range are kept: none of them reaches another
+ * pixel. */
+static void any_sample(void **state)
+{
+	(void)state;
+	const float odd[] = {NAN, INFINITY, -INFINITY, 3e38f, 1e30f, 1e16f, -5.0f, 1e-40f};
+	gi_film film = film_make(48, 40);
+	film_paint(&film, wall, even, SAMPLES);
+	for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+		size_t pixel = 48 * 20 + 5 * i + 4;
+		place p = wall(0, 0);
+		gi_film_sample sample = {
+			.radiance = {odd[i], 1.0f, odd[i]}, .albedo = p.albedo, .normal = p.normal, .depth = 4};
+		gi_film_add(&film, pixel, &sample);
+		gi_film_resolve(&film, pixel);
+	}
+	film_denoise(&film, 1);
+	for (size_t i = 0; i < (size_t)48 * 40; i++)
+		for (size_t c = 0; c < 3; c++) {
+			assert_false(isnan(film.denoised[3 * i + c]));
+			if (i / 48 != 20)
+				assert_true(film.denoised[3 * i + c] > 0.5f && film.denoised[3 * i + c] < 2.0f);
+		}
+	gi_film_finish(&film);
+}
+
+/* A picture that was stopped has pixels with no sample, one, two and many: those with halves are filtered. */
+static void any_count(void **state)
+{
+	(void)state;
+	gi_film film = film_make(64, 48), sparse = film_make(64, 48);
+	film_paint(&film, wall, even, SAMPLES);
+	for (size_t i = 0; i < (size_t)64 * 48; i++) {
+		gi_film_sample sample = {.albedo = (float[3]){0.5f, 0.5f, 0.5f}, .normal = (float[3]){0}, .depth = 4.0f};
+		for (uint32_t k = 0; k < i % 4; k++) {
+			for (int c = 0; c < 3; c++)
+				sample.radiance[c] = even(i, k);
+			gi_film_add(&sparse, i, &sample);
+		}
+		gi_film_resolve(&sparse, i);
+	}
+	film_denoise(&sparse, 1);
+	const float *radiance = gi_film_planes(&sparse).radiance;
+	double before = 0.0, after = 0.0;
+	for (size_t i = 0; i < (size_t)64 * 48; i++) {
+		if (i % 4 < 2)
+			assert_true(sparse.denoised[3 * i] == radiance[3 * i]);
+		before += i % 4 < 2 ? 0.0 : pow((double)radiance[3 * i] - 1.0, 2.0);
+		after += i % 4 < 2 ? 0.0 : pow((double)sparse.denoised[3 * i] - 1.0, 2.0);
+	}
+	assert_true(after < 0.16 * before);
+	gi_film_finish(&film);
+	gi_film_finish(&sparse);
+}
+
+static void any_workers(void **state)
+{
+	(void)state;
+	gi_film films[3];
+	for (int i = 0; i < 3; i++) {
+		films[i] = film_make(101, 90);
+		film_paint(&films[i], texture, fireflies, SAMPLES);
+		film_denoise(&films[i], (const uint32_t[]){0, 1, 4}[i]);
+		assert_memory_equal(films[i].denoised, films[0].denoised, (size_t)3 * 101 * 90 * sizeof(float));
+	}
+	for (int i = 0; i < 3; i++)
+		gi_film_finish(&films[i]);
+}
+
+/* ---- in a render ------------------------------------------------------------------------------------------------- */
+
+/* The denoised picture of a render that is stopped, shown denoised, and continued is that of one that ran through. */
+static void goes_on(void **state)
+{
+	(void)state;
+	render_fixture fixture = render_fixture_make("cornell", 1);
+	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.denoise = true;
+	settings.samples = 8;
+	size_t bytes = (size_t)settings.width * settings.height * sizeof(float[3]);
+	stilb_gi_render *whole = render_fixture_create(&fixture, &settings);
+	stilb_gi_render *parts = render_fixture_create(&fixture, &settings);
+	assert_int_equal(stilb_gi_render_run(whole), STILB_OK);
+	assert_null(stilb_gi_render_film(whole).denoised);
+	assert_int_equal(stilb_gi_render_denoise(whole), STILB_OK);
+	stilb_gi_render_until(parts, 3);
+	assert_int_equal(stilb_gi_render_run(parts), STILB_OK);
+	assert_int_equal(stilb_gi_render_denoise(parts), STILB_OK);
+	assert_memory_not_equal(stilb_gi_render_film(parts).denoised, stilb_gi_render_film(whole).denoised, bytes);
+	stilb_gi_render_until(parts, 0);
+	assert_int_equal(stilb_gi_render_run(parts), STILB_OK);
+	assert_null(stilb_gi_render_film(parts).denoised); /* it was of the samples before */
+	assert_int_equal(stilb_gi_render_denoise(parts), STILB_OK);
+	assert_memory_equal(stilb_gi_render_film(parts).denoised, stilb_gi_render_film(whole).denoised, bytes);
+	stilb_gi_render_destroy(whole);
+	stilb_gi_render_destroy(parts);
+	render_fixture_finish(&fixture);
+}
+
+static void what_has_no_noise(void **state)
+{
+	(void)state;
+	render_fixture fixture = render_fixture_make("cornell", 0);
+	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.denoise = true;
+	const struct {
+		stilb_gi_integrator integrator;
+		uint32_t samples;
+		const char *said;
+	} cases[] = {{STILB_GI_INTEGRATOR_PATH, 1, "samples is 1"},
+	             {STILB_GI_INTEGRATOR_COLOR, 4, "color and channel"},
+	             {STILB_GI_INTEGRATOR_CHANNEL, 4, "color and channel"}};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		stilb_gi_render *render;
+		settings.integrator = cases[i].integrator;
+		settings.samples = cases[i].samples;
+		assert_int_equal(stilb_gi_render_create(fixture.gi, &settings, fixture.pool, &render), STILB_ERROR_ARGUMENT);
+		assert_non_null(strstr(stilb_error_message(), cases[i].said));
+	}
+	render_fixture_finish(&fixture);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(halves),
+		cmocka_unit_test(even_noise_goes),
+		cmocka_unit_test(texture_stays),
+		cmocka_unit_test(shadow_stays),
+		cmocka_unit_test(clean_stays),
+		cmocka_unit_test(fireflies_are_spread),
+		cmocka_unit_test(misses_keep_their_bits),
+		cmocka_unit_test(any_radiance),
+		cmocka_unit_test(any_shape),
+		cmocka_unit_test(any_sample),
+		cmocka_unit_test(any_count),
+		cmocka_unit_test(any_workers),
+		cmocka_unit_test(goes_on),
+		cmocka_unit_test(what_has_no_noise),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
