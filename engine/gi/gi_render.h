@@ -383,8 +383,8 @@ typedef struct stilb_gi_film {
 stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render);
 
 /* Filters the noise out of the picture so far, on the pool, as film/gi_denoise.h tells: the same bits for any number of
- * workers. Settings.denoise only. The samples stay: run may go on, which drops the filtered picture. Takes 120 bytes a
- * pixel while it works. STILB_ERROR_MEMORY. [main-thread] */
+ * workers. settings.denoise only. The samples stay: run may go on, and drops the filtered picture. Takes 132 bytes a
+ * pixel while it works, and a megabyte a thread; 12 bytes a pixel stay. STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_gi_render_denoise(stilb_gi_render *render);
 
 /* Writes the picture, whole or not at all. With settings.denoise the radiance is the denoised one; what has not called

@@ -144,7 +144,7 @@ static errors denoised(place_fn *at, noise_fn *noise)
 {
 	gi_film film = film_make(64, 48);
 	film_paint(&film, at, noise, SAMPLES);
-	film_denoise(&film, 1);
+	film_denoise(&film, 0);
 	errors e = errors_of(&film, at);
 	gi_film_finish(&film);
 	return e;
@@ -186,7 +186,7 @@ static void texture_stays(void **state)
 	(void)state;
 	gi_film film = film_make(64, 48);
 	film_paint(&film, texture, even, SAMPLES);
-	film_denoise(&film, 1);
+	film_denoise(&film, 0);
 	errors e = errors_of(&film, texture);
 	assert_true(e.after < e.before / 3.2);
 	double wrong = 0.0, all = 0.0;
@@ -237,7 +237,7 @@ static void misses_keep_their_bits(void **state)
 	(void)state;
 	gi_film film = film_make(64, 48);
 	film_paint(&film, half_open, even, SAMPLES);
-	film_denoise(&film, 1);
+	film_denoise(&film, 0);
 	const float *radiance = gi_film_planes(&film).radiance;
 	size_t wall_floats = (size_t)3 * 64 * 20;
 	assert_memory_equal(film.denoised + wall_floats, radiance + wall_floats, (size_t)3 * 64 * 28 * sizeof(float));
@@ -302,7 +302,7 @@ static void any_sample(void **state)
 		gi_film_add(&film, pixel, &sample);
 		gi_film_resolve(&film, pixel);
 	}
-	film_denoise(&film, 1);
+	film_denoise(&film, 0);
 	for (size_t i = 0; i < (size_t)48 * 40; i++)
 		for (size_t c = 0; c < 3; c++) {
 			assert_false(isnan(film.denoised[3 * i + c]));
@@ -327,7 +327,7 @@ static void any_count(void **state)
 		}
 		gi_film_resolve(&sparse, i);
 	}
-	film_denoise(&sparse, 1);
+	film_denoise(&sparse, 0);
 	const float *radiance = gi_film_planes(&sparse).radiance;
 	double before = 0.0, after = 0.0;
 	for (size_t i = 0; i < (size_t)64 * 48; i++) {
@@ -339,6 +339,32 @@ static void any_count(void **state)
 	assert_true(after < 0.16 * before);
 	gi_film_finish(&film);
 	gi_film_finish(&sparse);
+}
+
+/* The same pixels elsewhere in a picture, and so elsewhere in its tiles, become the same, bit by bit, but for those that
+ * see the picture's border. */
+static void tiles_are_not_seen(void **state)
+{
+	(void)state;
+	enum { WIDTH = 100, HEIGHT = 70, RIGHT = 17, DOWN = 9, SEEN = 3 + 3 + 1 + 2 + 4 };
+	gi_film film = film_make(WIDTH, HEIGHT), part = film_make(WIDTH - RIGHT, HEIGHT - DOWN);
+	film_paint(&film, texture, even, SAMPLES);
+	for (uint32_t y = 0; y < part.height; y++)
+		for (uint32_t x = 0; x < part.width; x++) {
+			size_t to = (size_t)y * part.width + x, from = (size_t)(y + DOWN) * WIDTH + x + RIGHT;
+			part.pixels[to] = film.pixels[from];
+			part.halves[to] = film.halves[from];
+			gi_film_resolve(&part, to);
+		}
+	film_denoise(&film, 0);
+	film_denoise(&part, 0);
+	for (uint32_t y = SEEN; y < part.height - SEEN; y++)
+		for (uint32_t x = SEEN; x < part.width - SEEN; x++) {
+			size_t a = (size_t)y * part.width + x, b = (size_t)(y + DOWN) * WIDTH + x + RIGHT;
+			assert_memory_equal(part.denoised + 3 * a, film.denoised + 3 * b, sizeof(float[3]));
+		}
+	gi_film_finish(&film);
+	gi_film_finish(&part);
 }
 
 static void any_workers(void **state)
@@ -411,20 +437,21 @@ static void what_has_no_noise(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(halves),
-		cmocka_unit_test(even_noise_goes),
-		cmocka_unit_test(texture_stays),
-		cmocka_unit_test(shadow_stays),
-		cmocka_unit_test(clean_stays),
-		cmocka_unit_test(fireflies_are_spread),
-		cmocka_unit_test(misses_keep_their_bits),
-		cmocka_unit_test(any_radiance),
-		cmocka_unit_test(any_shape),
-		cmocka_unit_test(any_sample),
-		cmocka_unit_test(any_count),
+		test_one_thread(halves),
+		test_one_thread(even_noise_goes),
+		test_one_thread(texture_stays),
+		test_one_thread(shadow_stays),
+		test_one_thread(clean_stays),
+		test_one_thread(fireflies_are_spread),
+		test_one_thread(misses_keep_their_bits),
+		test_one_thread(any_radiance),
+		test_one_thread(any_shape),
+		test_one_thread(any_sample),
+		test_one_thread(any_count),
+		test_one_thread(tiles_are_not_seen),
 		cmocka_unit_test(any_workers),
 		cmocka_unit_test(goes_on),
-		cmocka_unit_test(what_has_no_noise),
+		test_one_thread(what_has_no_noise),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
