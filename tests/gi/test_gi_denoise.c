@@ -341,8 +341,8 @@ static void any_count(void **state)
 	gi_film_finish(&sparse);
 }
 
-/* The same pixels elsewhere in a picture, and so elsewhere in its tiles, become the same, bit by bit, but for those that
- * see the picture's border. */
+/* The same pixels elsewhere in a picture, and so elsewhere in its tiles, become the same, bit by bit, but for those
+ * that see the picture's border. */
 static void tiles_are_not_seen(void **state)
 {
 	(void)state;
@@ -379,6 +379,209 @@ static void any_workers(void **state)
 	}
 	for (int i = 0; i < 3; i++)
 		gi_film_finish(&films[i]);
+}
+
+/* ---- the definition ---------------------------------------------------------------------------------------------- */
+
+enum { ROW = 23, COLUMN = 17, COUNT = ROW * COLUMN, TERMS = 10 };
+
+/* What gi_denoise.h says, pixel by pixel and in double. */
+typedef struct model {
+	double half[2][COUNT][3], filtered[2][COUNT][3], variance[COUNT][3], albedo[COUNT][3], feature[COUNT][7];
+	double solution[COUNT][TERMS][3]; /* of the fit around each pixel */
+} model;
+
+/* Pixels in the square of so many around one, in the picture, as a list. */
+static uint32_t around(uint32_t pixel, int reach, uint32_t *list)
+{
+	uint32_t count = 0;
+	int x = (int)(pixel % ROW), y = (int)(pixel / ROW);
+	for (int v = y - reach; v <= y + reach; v++)
+		for (int u = x - reach; u <= x + reach; u++)
+			if (u >= 0 && v >= 0 && u < ROW && v < COLUMN)
+				list[count++] = (uint32_t)(v * ROW + u);
+	return count;
+}
+
+static void model_make(const gi_film *film, model *m)
+{
+	double most = 0.0, scale[COUNT];
+	uint32_t list[81];
+	for (uint32_t i = 0; i < COUNT; i++) {
+		const gi_film_pixel *pixel = &film->pixels[i];
+		double n = pixel->samples;
+		for (int c = 0; c < 3; c++) {
+			double mean = pixel->radiance[c] / n;
+			m->half[0][i][c] = film->halves[i].radiance[c] / (n / 2.0);
+			m->half[1][i][c] = (pixel->radiance[c] - film->halves[i].radiance[c]) / (n / 2.0);
+			m->variance[i][c] = (pixel->radiance_squared[c] / n - mean * mean) / (n - 1.0);
+			m->albedo[i][c] = fmax(pixel->albedo[c] / n, 0.02);
+			m->feature[i][c] = pixel->albedo[c] / n;
+			m->feature[i][3 + c] = pixel->normal[c] / n;
+		}
+		m->feature[i][6] = n / pixel->depth;
+		most = fmax(most, m->feature[i][6]);
+	}
+	for (uint32_t i = 0; i < COUNT; i++) {
+		double seen = 0.0, said = 0.0;
+		for (uint32_t k = around(i, 2, list); k-- > 0;)
+			for (int c = 0; c < 3; c++) {
+				uint32_t q = list[k];
+				seen += pow((m->half[0][q][c] - m->half[1][q][c]) / m->albedo[q][c], 2.0);
+				said += 4.0 * m->variance[q][c] / pow(m->albedo[q][c], 2.0);
+			}
+		scale[i] = fmin(seen / said, 1.0);
+	}
+	for (uint32_t i = 0; i < COUNT; i++) {
+		m->feature[i][6] /= most;
+		for (int c = 0; c < 3; c++)
+			m->variance[i][c] *= 2.0 * scale[i]; /* of a half */
+	}
+}
+
+/* d(p, q) of single pixels. */
+static double model_pixel(const model *m, int half, uint32_t p, uint32_t q)
+{
+	double sum = 0.0;
+	for (int c = 0; c < 3; c++) {
+		double difference = m->half[half][p][c] / m->albedo[p][c] - m->half[half][q][c] / m->albedo[q][c];
+		double v = m->variance[p][c] / pow(m->albedo[p][c], 2.0) + m->variance[q][c] / pow(m->albedo[q][c], 2.0);
+		sum += (difference * difference - v) / (0.81 * v) / 3.0;
+	}
+	return sum;
+}
+
+/* The weight that a half gives q in the fit around p. */
+static double model_weight(const model *m, int half, uint32_t p, uint32_t q)
+{
+	double sum = 0.0, count = 0.0;
+	uint32_t list[9];
+	int offset = (int)q - (int)p, dx = (int)(q % ROW) - (int)(p % ROW);
+	for (uint32_t k = around(p, 1, list); k-- > 0;) {
+		int other = (int)list[k] + offset, column = (int)(list[k] % ROW) + dx;
+		if (other < 0 || other >= COUNT || column < 0 || column >= ROW)
+			continue;
+		sum += model_pixel(m, half, list[k], (uint32_t)other);
+		count++;
+	}
+	return pow(fmax(1.0 - fmax(sum / count, 0.0) / 8.0, 0.0), 8.0);
+}
+
+static void model_terms(const model *m, uint32_t p, uint32_t q, double term[TERMS])
+{
+	term[0] = 1.0;
+	term[1] = ((double)(q % ROW) - (double)(p % ROW)) / 3.0;
+	term[2] = ((double)(q / ROW) - (double)(p / ROW)) / 3.0;
+	for (int k = 0; k < 7; k++)
+		term[3 + k] = m->feature[q][k] - m->feature[p][k];
+}
+
+/* By Gauss' elimination. */
+static void model_solve(double a[TERMS][TERMS + 3], double solution[TERMS][3])
+{
+	for (int i = 0; i < TERMS; i++)
+		for (int k = i + 1; k < TERMS; k++) {
+			double f = a[k][i] / a[i][i];
+			for (int j = i; j < TERMS + 3; j++)
+				a[k][j] -= f * a[i][j];
+		}
+	for (int i = TERMS - 1; i >= 0; i--)
+		for (int c = 0; c < 3; c++) {
+			double sum = a[i][TERMS + c];
+			for (int j = i + 1; j < TERMS; j++)
+				sum -= a[i][j] * solution[j][c];
+			solution[i][c] = sum / a[i][i];
+		}
+}
+
+static void model_fit(model *m, int half, uint32_t p)
+{
+	double a[TERMS][TERMS + 3] = {{0}}, term[TERMS];
+	uint32_t list[49];
+	for (uint32_t k = around(p, 3, list); k-- > 0;) {
+		double w = model_weight(m, !half, p, list[k]);
+		model_terms(m, p, list[k], term);
+		for (int i = 0; i < TERMS; i++) {
+			for (int j = 0; j < TERMS; j++)
+				a[i][j] += w * term[i] * term[j];
+			for (int c = 0; c < 3; c++)
+				a[i][TERMS + c] += w * term[i] * m->half[half][list[k]][c];
+		}
+	}
+	for (int i = 1; i < TERMS; i++)
+		a[i][i] += 1e-3 * a[0][0];
+	model_solve(a, m->solution[p]);
+}
+
+static void model_filter(model *m, int half)
+{
+	uint32_t list[49];
+	for (uint32_t p = 0; p < COUNT; p++)
+		model_fit(m, half, p);
+	for (uint32_t q = 0; q < COUNT; q++) {
+		double sum[3] = {0}, weights = 0.0, term[TERMS];
+		for (uint32_t k = around(q, 3, list); k-- > 0;) {
+			double w = model_weight(m, !half, list[k], q);
+			model_terms(m, list[k], q, term);
+			weights += w;
+			for (int c = 0; c < 3; c++)
+				for (int i = 0; i < TERMS; i++)
+					sum[c] += w * term[i] * m->solution[list[k]][i][c];
+		}
+		for (int c = 0; c < 3; c++)
+			m->filtered[half][q][c] = sum[c] / weights;
+	}
+}
+
+static double model_strength(const model *m, uint32_t pixel)
+{
+	double wanted = 0.0, step = 0.0;
+	uint32_t list[81];
+	for (uint32_t k = around(pixel, 4, list); k-- > 0;)
+		for (int half = 0; half < 2; half++)
+			for (int c = 0; c < 3; c++) {
+				double own = m->half[half][list[k]][c], change = m->filtered[half][list[k]][c] - own;
+				wanted += (m->half[!half][list[k]][c] - own) * change;
+				step += change * change;
+			}
+	double s = fmax(0.0, fmin(wanted / step, 1.0));
+	return s / (2.0 - s);
+}
+
+/* Balls and textures: all features vary. */
+static place hills(uint32_t x, uint32_t y)
+{
+	place p = texture(x + y / 3, y);
+	double a = 0.3 * x, b = 0.4 * y;
+	p.normal[0] = (float)(0.5 * sin(a));
+	p.normal[1] = (float)(0.5 * cos(b));
+	p.normal[2] = sqrtf(1.0f - p.normal[0] * p.normal[0] - p.normal[1] * p.normal[1]);
+	p.depth = 3.0f + 0.5f * (float)cos(a + b);
+	p.light = 1.0f + p.normal[0] + (x > 11 ? 1.0f : 0.0f);
+	return p;
+}
+
+/* The denoiser does what its header says. */
+static void the_definition(void **state)
+{
+	(void)state;
+	static model m;
+	double partly = 0.0;
+	gi_film film = film_make(ROW, COLUMN);
+	film_paint(&film, hills, even, SAMPLES);
+	film_denoise(&film, 0);
+	model_make(&film, &m);
+	model_filter(&m, 0);
+	model_filter(&m, 1);
+	for (uint32_t i = 0; i < COUNT; i++)
+		for (int c = 0; c < 3; c++) {
+			double input = 0.5 * (m.half[0][i][c] + m.half[1][i][c]), s = model_strength(&m, i);
+			double want = input + s * (0.5 * (m.filtered[0][i][c] + m.filtered[1][i][c]) - input);
+			assert_true(fabs((double)film.denoised[3 * i + (uint32_t)c] - want) < 2e-5 * (1.0 + want));
+			partly += s > 0.1 && s < 0.9;
+		}
+	assert_true(partly > 100.0);
+	gi_film_finish(&film);
 }
 
 /* ---- in a render ------------------------------------------------------------------------------------------------- */
@@ -448,6 +651,7 @@ int main(void)
 		test_one_thread(any_shape),
 		test_one_thread(any_sample),
 		test_one_thread(any_count),
+		test_one_thread(the_definition),
 		test_one_thread(tiles_are_not_seen),
 		cmocka_unit_test(any_workers),
 		cmocka_unit_test(goes_on),
