@@ -15,12 +15,12 @@
 /* One call of gi_denoise. */
 typedef struct denoise {
 	gi_film *film;
-	denoise_picture picture;
-	float *sums[4];      /* planes of sums over squares of pixels: two quotients' numerators and denominators */
-	float *planes;       /* all of them */
-	denoise_tile *tiles; /* one for each thread */
-	float *out;          /* [3] */
-	uint32_t around;     /* of box_columns and box_rows */
+	gi_denoise_picture picture;
+	float *sums[4];         /* planes of sums over squares of pixels: two quotients' numerators and denominators */
+	float *planes;          /* all of them */
+	gi_denoise_tile *tiles; /* one for each thread */
+	float *out;             /* [3] */
+	uint32_t around;        /* of box_columns and box_rows */
 	uint32_t tiles_x;
 } denoise;
 
@@ -57,17 +57,17 @@ static void pixel_features(const denoise *d, size_t pixel)
 	double hit = (double)film->pixels[pixel].hits / film->pixels[pixel].samples;
 	for (size_t c = 0; c < 3; c++) {
 		float albedo = film->albedo[3 * pixel + c];
-		d->picture.feature[DENOISE_ALBEDO + c][pixel] = albedo;
-		d->picture.feature[DENOISE_NORMAL + c][pixel] = film->normal[3 * pixel + c];
+		d->picture.feature[GI_DENOISE_ALBEDO + c][pixel] = albedo;
+		d->picture.feature[GI_DENOISE_NORMAL + c][pixel] = film->normal[3 * pixel + c];
 		d->picture.albedo[c][pixel] = fmaxf(albedo + (float)(1.0 - hit), LEAST_ALBEDO); /* what is behind counts as 1 */
 	}
-	d->picture.feature[DENOISE_NEARNESS][pixel] = (float)(hit / (double)film->depth[pixel]);
+	d->picture.feature[GI_DENOISE_NEARNESS][pixel] = (float)(hit / (double)film->depth[pixel]);
 }
 
 /* The halves' difference, and what the samples' spread says that its square is, summed over the channels. */
 static void pixel_spread(const denoise *d, size_t pixel)
 {
-	const denoise_picture *picture = &d->picture;
+	const gi_denoise_picture *picture = &d->picture;
 	float share = picture->share[pixel], seen = 0.0f, said = 0.0f;
 	for (int c = 0; c < 3; c++) {
 		float unit = 1.0f / picture->albedo[c][pixel];
@@ -154,11 +154,11 @@ static void variance_scale(uint32_t begin, uint32_t end, uint32_t worker, void *
 static void tiles_filter(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	const denoise *d = context;
-	uint32_t side = denoise_tile_side();
-	denoise_tile *tile = (denoise_tile *)((char *)d->tiles + worker * denoise_tile_size());
+	uint32_t side = gi_denoise_tile_side();
+	gi_denoise_tile *tile = (gi_denoise_tile *)((char *)d->tiles + worker * gi_denoise_tile_size());
 	for (uint32_t i = begin; i < end; i++) {
 		PROFILE("gi.denoise.tile");
-		denoise_tile_filter(&d->picture, i % d->tiles_x * side, i / d->tiles_x * side, tile);
+		gi_denoise_tile_filter(&d->picture, i % d->tiles_x * side, i / d->tiles_x * side, tile);
 	}
 }
 
@@ -185,7 +185,7 @@ static void strength_fill(uint32_t begin, uint32_t end, uint32_t worker, void *c
 static void strength_apply(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	const denoise *d = context;
-	const denoise_picture *picture = &d->picture;
+	const gi_denoise_picture *picture = &d->picture;
 	stilb_gi_film film = gi_film_planes(d->film);
 	size_t width = picture->width;
 	(void)worker;
@@ -204,7 +204,7 @@ static void strength_apply(uint32_t begin, uint32_t end, uint32_t worker, void *
 
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
 
-#define PLANES (6 + 6 + 3 + 1 + 3 + DENOISE_FEATURES + 4)
+#define PLANES (6 + 6 + 3 + 1 + 3 + GI_DENOISE_FEATURES + 4)
 
 static stilb_result denoise_init(denoise *d, gi_film *film, uint32_t threads)
 {
@@ -212,7 +212,7 @@ static stilb_result denoise_init(denoise *d, gi_film *film, uint32_t threads)
 	*d = (denoise){.film = film, .picture = {.width = film->width, .height = film->height}};
 	d->planes = stilb_memory_alloc(PLANES * pixels, sizeof *d->planes);
 	d->out = stilb_memory_alloc(pixels, sizeof(float[3]));
-	d->tiles = stilb_memory_alloc(threads, denoise_tile_size());
+	d->tiles = stilb_memory_alloc(threads, gi_denoise_tile_size());
 	if (!d->planes || !d->out || !d->tiles)
 		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for denoising %u x %u pixels", film->width, film->height);
 	float *next = d->planes;
@@ -227,7 +227,7 @@ static stilb_result denoise_init(denoise *d, gi_film *film, uint32_t threads)
 		next += 2 * pixels;
 	}
 	d->picture.share = next;
-	for (int i = 0; i < DENOISE_FEATURES; i++)
+	for (int i = 0; i < GI_DENOISE_FEATURES; i++)
 		d->picture.feature[i] = next += pixels;
 	for (int i = 0; i < 4; i++)
 		d->sums[i] = next += pixels;
@@ -239,7 +239,7 @@ static stilb_result denoise_init(denoise *d, gi_film *film, uint32_t threads)
 static void nearness_scale(const denoise *d)
 {
 	size_t pixels = (size_t)d->picture.width * d->picture.height;
-	float *nearness = d->picture.feature[DENOISE_NEARNESS], most = 0.0f;
+	float *nearness = d->picture.feature[GI_DENOISE_NEARNESS], most = 0.0f;
 	for (size_t i = 0; i < pixels; i++)
 		if (d->picture.share[i] > 0.0f && nearness[i] > most)
 			most = nearness[i];
@@ -250,7 +250,7 @@ static void nearness_scale(const denoise *d)
 
 static void denoise_run(denoise *d, stilb_job_pool *pool, uint32_t caller)
 {
-	uint32_t height = d->picture.height, side = denoise_tile_side();
+	uint32_t height = d->picture.height, side = gi_denoise_tile_side();
 	d->tiles_x = (d->picture.width + side - 1) / side;
 	stilb_job_parallel_for(pool, height, ROWS, planes_fill, d, caller);
 	nearness_scale(d);

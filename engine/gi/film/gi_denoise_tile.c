@@ -14,7 +14,7 @@
 #define CENTERS (SIDE + 2 * REACH)      /* side of the square of fits of which a tile's pixels are made */
 #define BORDER (2 * REACH + PATCH)      /* of pixels around a tile that are read */
 #define READ (SIDE + 2 * BORDER)        /* side of the square that is read */
-#define TERMS (3 + DENOISE_FEATURES)    /* of a fit: 1, x, y, features */
+#define TERMS (3 + GI_DENOISE_FEATURES) /* of a fit: 1, x, y, features */
 #define PAIRS (TERMS * (TERMS + 1) / 2) /* of terms, (i, j) with j <= i */
 #define RIDGE 1e-3f                     /* added to the squares of all terms but 1, as a share of the weights' sum */
 #define LIKENESS 0.81f                  /* k^2 of gi_denoise.h */
@@ -24,25 +24,25 @@
 typedef float tile_plane[READ][READ];
 typedef float tile_row[CENTERS];
 
-struct denoise_tile {
-	tile_plane color[3];                  /* of the half that is filtered */
-	tile_plane shade[3], variance[3];     /* of the other half over its albedo, and its variance */
-	tile_plane feature[DENOISE_FEATURES]; /* as in the picture */
-	tile_plane there;                     /* 1, or 0 where there is no pixel to be used */
-	tile_plane distance, count;           /* for an offset: of single pixels, and 1 where there are two */
-	tile_plane distances, counts;         /* their sums over rows of a patch */
+struct gi_denoise_tile {
+	tile_plane color[3];                     /* of the half that is filtered */
+	tile_plane shade[3], variance[3];        /* of the other half over its albedo, and its variance */
+	tile_plane feature[GI_DENOISE_FEATURES]; /* as in the picture */
+	tile_plane there;                        /* 1, or 0 where there is no pixel to be used */
+	tile_plane distance, count;              /* for an offset: of single pixels, and 1 where there are two */
+	tile_plane distances, counts;            /* their sums over rows of a patch */
 	float weight[OFFSETS][CENTERS][CENTERS];
 	float fit[3][TERMS][CENTERS][CENTERS];   /* coefficients of the channels */
 	tile_row matrix[PAIRS], right[3][TERMS]; /* the normal equations of a row of fits; right: of each channel */
 	tile_row term[TERMS], weighted;
 };
 
-size_t denoise_tile_size(void)
+size_t gi_denoise_tile_size(void)
 {
-	return sizeof(denoise_tile);
+	return sizeof(gi_denoise_tile);
 }
 
-uint32_t denoise_tile_side(void)
+uint32_t gi_denoise_tile_side(void)
 {
 	return SIDE;
 }
@@ -54,7 +54,7 @@ typedef struct tile_extent {
 	uint32_t read_x, read_y;
 } tile_extent;
 
-static tile_extent extent_of(const denoise_picture *picture, uint32_t x, uint32_t y)
+static tile_extent extent_of(const gi_denoise_picture *picture, uint32_t x, uint32_t y)
 {
 	uint32_t right = picture->width - x, below = picture->height - y;
 	uint32_t width = right < SIDE ? right : SIDE, height = below < SIDE ? below : SIDE;
@@ -63,7 +63,7 @@ static tile_extent extent_of(const denoise_picture *picture, uint32_t x, uint32_
 
 /* ---- the pixels -------------------------------------------------------------------------------------------------- */
 
-static void load_pixel(const denoise_picture *picture, size_t pixel, int half, denoise_tile *tile, uint32_t v,
+static void load_pixel(const gi_denoise_picture *picture, size_t pixel, int half, gi_denoise_tile *tile, uint32_t v,
                        uint32_t u)
 {
 	float share = picture->share[pixel], part = half == 0 ? 1.0f - share : share; /* of the other half */
@@ -74,21 +74,21 @@ static void load_pixel(const denoise_picture *picture, size_t pixel, int half, d
 		tile->shade[c][v][u] = picture->half[!half][c][pixel] * unit;
 		tile->variance[c][v][u] = picture->variance[c][pixel] * unit * unit / part;
 	}
-	for (int i = 0; i < DENOISE_FEATURES; i++)
+	for (int i = 0; i < GI_DENOISE_FEATURES; i++)
 		tile->feature[i][v][u] = picture->feature[i][pixel];
 }
 
-static void load_nothing(denoise_tile *tile, uint32_t v, uint32_t u)
+static void load_nothing(gi_denoise_tile *tile, uint32_t v, uint32_t u)
 {
 	tile->there[v][u] = 0.0f;
 	for (int c = 0; c < 3; c++)
 		tile->color[c][v][u] = tile->shade[c][v][u] = tile->variance[c][v][u] = 0.0f;
-	for (int i = 0; i < DENOISE_FEATURES; i++)
+	for (int i = 0; i < GI_DENOISE_FEATURES; i++)
 		tile->feature[i][v][u] = 0.0f;
 }
 
-static void tile_load(const denoise_picture *picture, uint32_t x, uint32_t y, const tile_extent *extent, int half,
-                      denoise_tile *tile)
+static void tile_load(const gi_denoise_picture *picture, uint32_t x, uint32_t y, const tile_extent *extent, int half,
+                      gi_denoise_tile *tile)
 {
 	for (uint32_t v = 0; v < extent->read_y; v++)
 		for (uint32_t u = 0; u < extent->read_x; u++) {
@@ -104,7 +104,7 @@ static void tile_load(const denoise_picture *picture, uint32_t x, uint32_t y, co
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
 /* Distances of the pixels of a row from those at an offset, 0 where one of them is not there. */
-static void distance_row(denoise_tile *tile, uint32_t v, int dx, int dy, uint32_t first, uint32_t end)
+static void distance_row(gi_denoise_tile *tile, uint32_t v, int dx, int dy, uint32_t first, uint32_t end)
 {
 	const float *a[3], *b[3], *p[3], *q[3];
 	for (int c = 0; c < 3; c++) {
@@ -129,7 +129,7 @@ static void distance_row(denoise_tile *tile, uint32_t v, int dx, int dy, uint32_
 }
 
 /* Sums over the pixels of a patch beside each other. */
-static void patch_row(denoise_tile *tile, uint32_t v, uint32_t first, uint32_t end)
+static void patch_row(gi_denoise_tile *tile, uint32_t v, uint32_t first, uint32_t end)
 {
 	const float *distance = tile->distance[v], *count = tile->count[v];
 	float *restrict distances = tile->distances[v], *restrict counts = tile->counts[v];
@@ -140,7 +140,7 @@ static void patch_row(denoise_tile *tile, uint32_t v, uint32_t first, uint32_t e
 }
 _Static_assert(PATCH == 1, "patch_row and weight_row add three");
 
-static void weight_row(denoise_tile *tile, uint32_t row, int dx, int dy, uint32_t width, float *restrict weight)
+static void weight_row(gi_denoise_tile *tile, uint32_t row, int dx, int dy, uint32_t width, float *restrict weight)
 {
 	uint32_t v = row + REACH + PATCH, u = REACH + PATCH; /* of the row's first pixel in the planes */
 	const float *above = tile->distances[v - 1] + u, *mid = tile->distances[v] + u, *below = tile->distances[v + 1] + u;
@@ -159,7 +159,7 @@ static void weight_row(denoise_tile *tile, uint32_t row, int dx, int dy, uint32_
 }
 
 /* The weights of all pixels at an offset from the centers of fits. */
-static void offset_weights(denoise_tile *tile, const tile_extent *extent, uint32_t offset)
+static void offset_weights(gi_denoise_tile *tile, const tile_extent *extent, uint32_t offset)
 {
 	int dx = (int)(offset % SPAN) - REACH, dy = (int)(offset / SPAN) - REACH;
 	for (uint32_t v = REACH; v < extent->read_y - REACH; v++) {
@@ -182,7 +182,7 @@ static float offset_y(uint32_t offset)
 	return (float)((int)(offset / SPAN) - REACH) * (1.0f / REACH);
 }
 
-static float *matrix_at(denoise_tile *tile, uint32_t a, uint32_t b)
+static float *matrix_at(gi_denoise_tile *tile, uint32_t a, uint32_t b)
 {
 	STILB_ASSERT(b <= a && a < TERMS);
 	return tile->matrix[a * (a + 1) / 2 + b];
@@ -217,7 +217,7 @@ static void row_difference(float *restrict to, const float *a, const float *b, u
 }
 
 /* Adds the pixels at an offset from the centers of a row to their normal equations. */
-static void fit_add(denoise_tile *tile, uint32_t row, uint32_t width, uint32_t offset)
+static void fit_add(gi_denoise_tile *tile, uint32_t row, uint32_t width, uint32_t offset)
 {
 	const float *weight = tile->weight[offset][row];
 	uint32_t v = row + REACH + PATCH, u = REACH + PATCH;
@@ -227,7 +227,7 @@ static void fit_add(denoise_tile *tile, uint32_t row, uint32_t width, uint32_t o
 		tile->term[1][i] = offset_x(offset);
 		tile->term[2][i] = offset_y(offset);
 	}
-	for (uint32_t k = 0; k < DENOISE_FEATURES; k++)
+	for (uint32_t k = 0; k < GI_DENOISE_FEATURES; k++)
 		row_difference(tile->term[3 + k], tile->feature[k][other_v] + other_u, tile->feature[k][v] + u, width);
 	for (uint32_t a = 0; a < TERMS; a++) {
 		memcpy(tile->weighted, weight, width * sizeof *weight);
@@ -241,7 +241,7 @@ static void fit_add(denoise_tile *tile, uint32_t row, uint32_t width, uint32_t o
 
 /* The matrices of a row as L L^T (Cholesky), with the inverses of the diagonal in place of it. Weights of a fit whose
  * center is not there are all 0, and its coefficients become 0. */
-static void fit_decompose(denoise_tile *tile, uint32_t width)
+static void fit_decompose(gi_denoise_tile *tile, uint32_t width)
 {
 	float *restrict ridge = tile->weighted;
 	const float *weights = matrix_at(tile, 0, 0);
@@ -261,7 +261,7 @@ static void fit_decompose(denoise_tile *tile, uint32_t width)
 		}
 }
 
-static void fit_solve(denoise_tile *tile, uint32_t width, int channel)
+static void fit_solve(gi_denoise_tile *tile, uint32_t width, int channel)
 {
 	tile_row *right = tile->right[channel];
 	for (uint32_t a = 0; a < TERMS; a++) {
@@ -276,7 +276,7 @@ static void fit_solve(denoise_tile *tile, uint32_t width, int channel)
 	}
 }
 
-static void fit_row(denoise_tile *tile, uint32_t row, uint32_t width)
+static void fit_row(gi_denoise_tile *tile, uint32_t row, uint32_t width)
 {
 	memset(tile->matrix, 0, sizeof tile->matrix);
 	memset(tile->right, 0, sizeof tile->right);
@@ -293,13 +293,13 @@ static void fit_row(denoise_tile *tile, uint32_t row, uint32_t width)
 /* ---- what the fits say ------------------------------------------------------------------------------------------- */
 
 /* Adds to a row of pixels what the fits say of it whose centers lie at minus the offset. sums: [3] and the weights. */
-static void tell_add(denoise_tile *tile, uint32_t row, uint32_t width, uint32_t offset, tile_row sums[4])
+static void tell_add(gi_denoise_tile *tile, uint32_t row, uint32_t width, uint32_t offset, tile_row sums[4])
 {
 	uint32_t v = row + BORDER, u = BORDER;
 	uint32_t center_row = row + 2 * REACH - offset / SPAN, center = 2 * REACH - offset % SPAN; /* among the fits */
 	const float *weight = tile->weight[offset][center_row] + center;
 	float x = offset_x(offset), y = offset_y(offset);
-	for (uint32_t k = 0; k < DENOISE_FEATURES; k++)
+	for (uint32_t k = 0; k < GI_DENOISE_FEATURES; k++)
 		row_difference(tile->term[3 + k], tile->feature[k][v] + u,
 		               tile->feature[k][center_row + REACH + PATCH] + center + REACH + PATCH, width);
 	for (int c = 0; c < 3; c++) {
@@ -316,7 +316,7 @@ static void tell_add(denoise_tile *tile, uint32_t row, uint32_t width, uint32_t 
 		sums[3][i] += weight[i];
 }
 
-static void tell_row(denoise_tile *tile, uint32_t row, uint32_t width, float *const out[3])
+static void tell_row(gi_denoise_tile *tile, uint32_t row, uint32_t width, float *const out[3])
 {
 	tile_row sums[4];
 	memset(sums, 0, sizeof sums);
@@ -329,7 +329,7 @@ static void tell_row(denoise_tile *tile, uint32_t row, uint32_t width, float *co
 	}
 }
 
-void denoise_tile_filter(const denoise_picture *picture, uint32_t x, uint32_t y, denoise_tile *tile)
+void gi_denoise_tile_filter(const gi_denoise_picture *picture, uint32_t x, uint32_t y, gi_denoise_tile *tile)
 {
 	STILB_ASSERT(x < picture->width && y < picture->height);
 	tile_extent extent = extent_of(picture, x, y);
