@@ -103,28 +103,30 @@ static void tile_load(const gi_denoise_picture *picture, uint32_t x, uint32_t y,
 
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
-/* Distances of the pixels of a row from those at an offset, 0 where one of them is not there. */
-static void distance_row(gi_denoise_tile *tile, uint32_t v, int dx, int dy, uint32_t first, uint32_t end)
+/* Distances of so many pixels of a row, the first one at REACH, from those at an offset; 0 where one of the two is not
+ * there. */
+static void distance_row(gi_denoise_tile *tile, uint32_t v, int dx, int dy, uint32_t width)
 {
+	uint32_t other_v = (uint32_t)((int)v + dy), other_u = (uint32_t)(REACH + dx);
 	const float *a[3], *b[3], *p[3], *q[3];
 	for (int c = 0; c < 3; c++) {
-		a[c] = tile->shade[c][v];
-		b[c] = tile->shade[c][(int)v + dy] + dx;
-		p[c] = tile->variance[c][v];
-		q[c] = tile->variance[c][(int)v + dy] + dx;
+		a[c] = tile->shade[c][v] + REACH;
+		b[c] = tile->shade[c][other_v] + other_u;
+		p[c] = tile->variance[c][v] + REACH;
+		q[c] = tile->variance[c][other_v] + other_u;
 	}
-	const float *here = tile->there[v], *other = tile->there[(int)v + dy] + dx;
-	float *restrict distance = tile->distance[v], *restrict count = tile->count[v];
-	for (uint32_t u = first; u < end; u++) {
+	const float *here = tile->there[v] + REACH, *other = tile->there[other_v] + other_u;
+	float *restrict distance = tile->distance[v] + REACH, *restrict count = tile->count[v] + REACH;
+	for (uint32_t i = 0; i < width; i++) {
 		float sum = 0.0f;
 		for (int c = 0; c < 3; c++) {
-			float difference = a[c][u] - b[c][u], variance = p[c][u] + q[c][u];
+			float difference = a[c][i] - b[c][i], variance = p[c][i] + q[c][i];
 			sum += (difference * difference - variance) / (LIKENESS * variance + NO_VARIANCE);
 		}
-		float both = here[u] * other[u];
+		float both = here[i] * other[i];
 		sum = sum < 1e6f ? sum : 1e6f; /* finite */
-		count[u] = both;
-		distance[u] = both * sum * (1.0f / 3.0f);
+		count[i] = both;
+		distance[i] = both * sum * (1.0f / 3.0f);
 	}
 }
 
@@ -163,7 +165,7 @@ static void offset_weights(gi_denoise_tile *tile, const tile_extent *extent, uin
 {
 	int dx = (int)(offset % SPAN) - REACH, dy = (int)(offset / SPAN) - REACH;
 	for (uint32_t v = REACH; v < extent->read_y - REACH; v++) {
-		distance_row(tile, v, dx, dy, REACH, extent->read_x - REACH);
+		distance_row(tile, v, dx, dy, extent->read_x - 2 * REACH);
 		patch_row(tile, v, REACH + PATCH, extent->read_x - REACH - PATCH);
 	}
 	for (uint32_t row = 0; row < extent->centers_y; row++)
