@@ -508,6 +508,17 @@ static bool options_denoise(const offline_options *o)
 	return o->denoise && RENDER_NOISY >> o->light.integrator & 1;
 }
 
+static bool options_denoise_check(const offline_options *o)
+{
+	if (options_denoise(o) && o->samples < 2)
+		stilb_log("--denoise compares the halves of a pixel's samples, and --spp 1 has none; give --spp 2 or more");
+	else if (options_denoise(o) && !o->output && !o->dry_run && !o->guest)
+		stilb_log("--denoise filters the picture that is written; give -o FILE");
+	else
+		return true;
+	return false;
+}
+
 bool offline_options_check(const offline_options *o)
 {
 	if (!o->scene) {
@@ -532,13 +543,8 @@ bool offline_options_check(const offline_options *o)
 		stilb_log("--background transparent: a .hdr has no alpha; give -o a .png or an .exr");
 		return false;
 	}
-	if (options_denoise(o) && o->samples < 2) {
-		stilb_log(
-			"--denoise compares the halves of a pixel's samples; with --spp 1 there is one: give --spp 2 or more");
-		return false;
-	}
-	return picture_flags_check(&o->picture) && options_lens_check(o) && options_motion_check(o) &&
-	       options_part_check(o) && options_files_check(o);
+	return picture_flags_check(&o->picture) && options_denoise_check(o) && options_lens_check(o) &&
+	       options_motion_check(o) && options_part_check(o) && options_files_check(o);
 }
 
 /* ---- settings ---------------------------------------------------------------------------------------------------- */
