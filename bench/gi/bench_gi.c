@@ -43,6 +43,15 @@ static const bench_metric row_metrics[] = {{"stilb", "1/s", false, NULL},
                                            {"stilb-rmse", "radiance", true, NULL},
                                            {"plain-rmse", "radiance", true, NULL},
                                            {"apart", "%", true, NULL}};
+static const bench_metric denoise_metrics[] = {{"ratio", "x", true, NULL},
+                                               {"ratio-input", "x", true, NULL},
+                                               {"ratio-time", "x", true, NULL},
+                                               {"few-rmse", "radiance", true, NULL},
+                                               {"denoised-rmse", "radiance", true, NULL},
+                                               {"many-rmse", "radiance", true, NULL},
+                                               {"few-seconds", "CPU s", true, NULL},
+                                               {"denoise-seconds", "CPU s", true, NULL},
+                                               {"many-seconds", "CPU s", true, NULL}};
 static const bench_metric cache_time_metrics[] = {{"seconds", "s", true, NULL},
                                                   {"rmse", "radiance", true, NULL},
                                                   {"bias", "%", true, NULL},
@@ -63,6 +72,13 @@ static const bench_case cases[] = {
 #undef CASE
 #define ROW(NAME, TITLE) {.name = NAME, .title = TITLE, .metrics = row_metrics, .metric_count = COUNT(row_metrics)},
 		GI_ROWS(ROW)
+#undef ROW
+#define ROW(NAME, TITLE)                                                                                               \
+	{.name = GI_DENOISE NAME,                                                                                          \
+	 .title = TITLE ", denoised",                                                                                      \
+	 .metrics = denoise_metrics,                                                                                       \
+	 .metric_count = COUNT(denoise_metrics)},
+			GI_ROWS(ROW)
 #undef ROW
 };
 
@@ -95,6 +111,11 @@ static const goal goals[] = {
 	{"pathtracer", "ratio", "rays/s / embree-tools' pathtracer", 1.3, false},
 #define ROW(NAME, TITLE) {NAME, "ratio", "efficiency 1 / (RMSE^2 CPU s) / the plain path tracer's", 2.0, false},
 	GI_ROWS(ROW)
+#undef ROW
+#define ROW(NAME, TITLE)                                                                                               \
+	{GI_DENOISE NAME, "ratio", "RMSE, denoised / eight times the samples", 1.0, true},                                 \
+		{GI_DENOISE NAME, "ratio-input", "RMSE, denoised / not", 1.0, true},
+		GI_ROWS(ROW)
 #undef ROW
 };
 
@@ -129,6 +150,9 @@ static void report(FILE *out, const bench_results *results)
 		"  rows (cornell ... foliage): 128 x 128 pixels, 64 samples, one thread; plain: a plain path tracer on Embree "
 		"with Owen-scrambled Sobol points, one light sample for each hit, multiple importance sampling, Russian "
 		"roulette; stilb, plain: 1 / (rmse^2 CPU s); apart: difference of their means\n"
+		"  denoise-*: 128 x 128 pixels, one thread; few: 16 samples (--quick: 4), many: eight times as many; "
+	    "ratio-time: "
+		"denoised / samples in the same time\n"
 		"  rmse: of linear radiance, without the pixels around visible lights; of the cache's cases against a "
 		"reference rendered first whose own noise is subtracted\n");
 }
@@ -143,7 +167,7 @@ static void print_goals(FILE *out, const bench_results *results)
 			continue;
 		double value = magnitude(row->median);
 		bool met = g->at_most ? value <= g->bound : value >= g->bound;
-		fprintf(out, "  %-12s %-52s %9.4g   %s %.4g: %s\n", g->name, g->what, value,
+		fprintf(out, "  %-16s %-52s %9.4g   %s %.4g: %s\n", g->name, g->what, value,
 		        g->at_most ? "at most " : "at least", g->bound, met ? "met" : "MISSED");
 	}
 }

@@ -2,7 +2,8 @@
 #ifndef GI_CASES_H
 #define GI_CASES_H
 
-/* Scenes that are rendered beside the plain path tracer: X(NAME, TITLE). */
+/* Scenes that are rendered beside the plain path tracer, and in the cases GI_DENOISE NAME denoised: X(NAME, TITLE). */
+#define GI_DENOISE "denoise-"
 #define GI_ROWS(X)                                                                                                     \
 	X("cornell", "the Cornell box")                                                                                    \
 	X("open-sky", "bumpy spheres under an even sky and a small sun")                                                   \

@@ -327,6 +327,17 @@ static bool is_row(const bench_child *child)
 #undef ROW
 }
 
+/* The row whose scene the case denoises; NULL: it is none of these cases. */
+static const char *denoised_row(const bench_child *child)
+{
+	size_t prefix = strlen(GI_DENOISE);
+	if (strncmp(child->case_name, GI_DENOISE, prefix) != 0)
+		return NULL;
+	bench_child row = *child;
+	row.case_name = child->case_name + prefix;
+	return is_row(&row) ? row.case_name : NULL;
+}
+
 int main(int argc, char **argv)
 {
 	bench_child child = bench_child_args(argc, argv);
@@ -360,6 +371,8 @@ int main(int argc, char **argv)
 		gi_run_choice(&child);
 	else if (is_row(&child))
 		gi_run_row(&child);
+	else if (denoised_row(&child))
+		gi_run_denoise(&child, denoised_row(&child));
 	else
 		return BENCH_CHILD_SKIP;
 	return 0;

@@ -108,6 +108,9 @@ static inline uint32_t gi_run_find(const float *sums, uint32_t count, float u)
 stilb_scene *gi_run_row_scene(const char *name);
 void gi_run_row(const bench_child *child);
 
+/* row: whose scene. */
+void gi_run_denoise(const bench_child *child, const char *row);
+
 void gi_run_choice(const bench_child *child);
 
 void gi_run_build(const bench_child *child);

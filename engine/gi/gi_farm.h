@@ -51,10 +51,11 @@ typedef struct stilb_gi_farm_merged {
 	double seconds; /* of all parts together */
 } stilb_gi_farm_merged;
 
-/* Puts a picture together from all its parts, in any order, and writes it as stilb_gi_render_save does: the same file
- * as one machine's. STILB_ERROR_ARGUMENT: a part is missing, there twice, or of another picture; STILB_ERROR_FILE: one
- * is damaged, or the picture cannot be written; STILB_ERROR_MEMORY. count >= 1. [any-thread] */
-stilb_result stilb_gi_farm_merge(const char *const *paths, uint32_t count, const char *output,
+/* Puts a picture together from all its parts, in any order, denoises it on the pool if its settings say so, and writes
+ * it as stilb_gi_render_save does: the same file as one machine's. STILB_ERROR_ARGUMENT: a part is missing, there
+ * twice, or of another picture; STILB_ERROR_FILE: one is damaged, or the picture cannot be written;
+ * STILB_ERROR_MEMORY. count >= 1. The pool's [main-thread]. */
+stilb_result stilb_gi_farm_merge(const char *const *paths, uint32_t count, const char *output, stilb_job_pool *pool,
                                  stilb_gi_farm_merged *merged);
 
 #endif

@@ -6,6 +6,8 @@
  * a pass that a stop or a time limit cut short is repeated and renders only what is missing.
  */
 #include "gi/gi_render_internal.h"
+
+#include "gi/film/gi_denoise.h"
 #include "gi/gi_settings.h"
 #include "gi/integrate/gi_backdrop.h"
 #include "gi/sample/gi_counter.h"
@@ -77,7 +79,7 @@ static stilb_result batch_workers_create(stilb_gi_render *render)
 static stilb_result gi_render_fill(stilb_gi_render *render)
 {
 	const stilb_gi_settings *settings = &render->view.settings;
-	stilb_result result = gi_film_create(&render->film, settings->width, settings->height, settings->firefly_weight);
+	stilb_result result = gi_film_create(&render->film, settings->width, settings->height, gi_film_kind_of(settings));
 	if (result == STILB_OK)
 		result = batch_workers_create(render);
 	if (result == STILB_OK && settings->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
@@ -677,6 +679,7 @@ static stilb_result overture_run(stilb_gi_render *render)
 static void run_begin(stilb_gi_render *render)
 {
 	STILB_ASSERT(render->begun_ns == 0 && "run does not run already");
+	gi_film_drop_denoised(&render->film);
 	double seconds = render->view.settings.seconds, left = fmax(seconds - render->seconds, 0.0);
 	const stilb_gi_pass *last = render->pass_count ? &render->passes[render->pass_count - 1] : NULL;
 	double estimate = error_after(render, last);
@@ -717,6 +720,14 @@ stilb_result stilb_gi_render_run(stilb_gi_render *render)
 	if (end_is_final(end) && render->cache_fill)
 		result = gi_cache_fill_save(render->cache_fill);
 	return result;
+}
+
+stilb_result stilb_gi_render_denoise(stilb_gi_render *render)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
+	STILB_ASSERT(render->view.settings.denoise);
+	return gi_denoise(&render->film, render->pool, render->caller);
 }
 
 void stilb_gi_render_watch(stilb_gi_render *render, stilb_gi_watch_fn *fn, void *user)

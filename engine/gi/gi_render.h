@@ -197,6 +197,9 @@ typedef struct stilb_gi_settings {
 	bool no_shadows;
 	/* Weight bright samples less, 1 / (1 + luminance): no fireflies, but biased. Source: Karis (2013). */
 	bool firefly_weight;
+	/* Keep what stilb_gi_render_denoise needs, 32 bytes a pixel more, and save the denoised picture. Needs 2 samples a
+	 * pixel at least; not with COLOR and CHANNEL, which have no light. */
+	bool denoise;
 	/* Russian roulette: the probability with which a path goes on at each bounce from the third on, 0..1; 0: chosen
 	 * from its throughput (the share of light that it still carries). Unbiased. */
 	float roulette;
@@ -372,17 +375,25 @@ typedef struct stilb_gi_film {
 	const float *variance;
 	/* Number of samples. */
 	const uint32_t *samples;
+	/* [3] Radiance that stilb_gi_render_denoise made; NULL: it has not been called since the last run. */
+	const float *denoised;
 } stilb_gi_film;
 
 /* The film, not copied: valid until destroy, to be read while run does not run. [main-thread] */
 stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render);
 
-/* Writes the picture, whole or not at all. A name that ends in .exr: all planes as layers (R G B, albedo.*, normal.*,
+/* Filters the noise out of the picture so far, on the pool, as film/gi_denoise.h tells: the same bits for any number of
+ * workers. settings.denoise only. The samples stay: run may go on, and drops the filtered picture. Takes 132 bytes a
+ * pixel while it works, and a megabyte a thread; 12 bytes a pixel stay. STILB_ERROR_MEMORY. [main-thread] */
+stilb_result stilb_gi_render_denoise(stilb_gi_render *render);
+
+/* Writes the picture, whole or not at all. With settings.denoise the radiance is the denoised one; what has not called
+ * stilb_gi_render_denoise is done here. A name that ends in .exr: all planes as layers (R G B, albedo.*, normal.*,
  * depth.Z, variance.*, samples), with the settings as attributes. .hdr: the mean radiance alone. .png: what
  * stilb_gi_display gives. If the scene's backdrop is nothing, .exr and .png have alpha, the share of the samples that
  * hit something; the radiance of an .exr is then premultiplied, as that format has it. Errors: STILB_ERROR_ARGUMENT:
  * other endings; STILB_ERROR_FILE; STILB_ERROR_MEMORY. [main-thread] */
-stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path);
+stilb_result stilb_gi_render_save(stilb_gi_render *render, const char *path);
 
 /* Writes everything that another process needs to continue with stilb_gi_render_resume: there the same settings, scene,
  * binary and instruction set give the same bits as a render that was never stopped. Whole or not at all; not while run

@@ -111,6 +111,7 @@ static const field FIELDS[] = {
 	NAMED(only, ONLY_NAMES),
 	SWITCH(no_shadows),
 	SWITCH(firefly_weight),
+	SWITCH(denoise),
 	NUMBER(FIELD_FLOAT, roulette, 0, 1),
 	NUMBER(FIELD_U32, rays, 1, 65536),
 	NUMBER(FIELD_FLOAT, ao_distance, 0, FARTHEST),
@@ -268,6 +269,15 @@ stilb_result gi_settings_check(const stilb_gi_settings *settings)
 		                  settings->lens.blades);
 	if (settings->no_shadows && settings->integrator != STILB_GI_INTEGRATOR_DIRECT)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: no_shadows is for the integrator direct alone");
+	if (settings->denoise && settings->samples < 2)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "cannot render: denoise compares the halves of a pixel's samples; samples "
+		                  "is 1, and it must be 2 or more");
+	if (settings->denoise &&
+	    (settings->integrator == STILB_GI_INTEGRATOR_COLOR || settings->integrator == STILB_GI_INTEGRATOR_CHANNEL))
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "cannot render: denoise is for pictures of light, not for the integrators "
+		                  "color and channel");
 	if (settings->ao_weighted && !(settings->ao_distance > 0.0f))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: ao_weighted needs an ao_distance above 0");
 	return STILB_OK;

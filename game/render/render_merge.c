@@ -4,6 +4,7 @@
 #include "game/cli/flags.h"
 #include "gi/gi_farm.h"
 #include "image/image.h"
+#include "jobs/job.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -48,7 +49,16 @@ static bool merge_outputs_differ(const flag_words *parts, const char *output)
 static int merge_run(const flag_words *parts, const char *output)
 {
 	stilb_gi_farm_merged merged;
-	stilb_result result = stilb_gi_farm_merge(parts->words, parts->count, output, &merged);
+	stilb_job_pool *pool;
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	int error = stilb_job_pool_create(&desc, &pool);
+	if (error != 0) {
+		stilb_fail_threads(desc.worker_count, -error);
+		stilb_log("%s", stilb_error_message());
+		return EXIT_FAILED;
+	}
+	stilb_result result = stilb_gi_farm_merge(parts->words, parts->count, output, pool, &merged);
+	stilb_job_pool_destroy(pool);
 	if (result != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		return exit_code_of(result);

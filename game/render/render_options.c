@@ -100,6 +100,7 @@ static void options_print(const flag *flags, size_t count)
 #define RENDER_PATHS (RENDER_BIT(PATH) | RENDER_BIT(SPLIT) | RENDER_BIT(IRRADIANCE_CACHE))
 #define RENDER_INDIRECT (RENDER_PATHS | RENDER_BIT(MONTECARLO))
 #define RENDER_LIT (RENDER_INDIRECT | RENDER_BIT(DIRECT))
+#define RENDER_NOISY (RENDER_LIT | RENDER_BIT(AO))
 #define RENDER_SHOWN (~RENDER_BIT(CHANNEL))
 
 /* The flags that only some integrators use, with a bit for each of those: 1 << STILB_GI_INTEGRATOR_... */
@@ -115,6 +116,7 @@ static const struct {
 	{"--only", RENDER_INDIRECT},
 	{"--no-shadows", RENDER_BIT(DIRECT)},
 	{"--fireflies", RENDER_LIT},
+	{"--denoise", RENDER_NOISY},
 	{"--brdf", RENDER_LIT},
 	{"--ndf", RENDER_LIT},
 	{"--g", RENDER_LIT},
@@ -204,6 +206,9 @@ static void options_table(offline_options *o, flag_rows *table)
 	     NULL},
 		{"--error", FLAG_AMOUNT, &o->error, "E",
 	     "end when the relative error of the picture is below E, 0..1; 0: never (0)", 0, 1, NULL},
+		{"--denoise", FLAG_SWITCH, &o->denoise, NULL,
+	     "filter the noise out of the picture that is written: smoother, and biased, which the file states", 0, 0,
+	     NULL},
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads that render, 1..256 or auto (one for each CPU)", 1,
 	     STILB_JOB_MAX_WORKERS, NULL},
 		{"--preview", FLAG_SWITCH, &o->preview, NULL,
@@ -497,6 +502,23 @@ static bool options_part_check(const offline_options *o)
 	return false;
 }
 
+/* True if the picture has noise to be filtered, and is to be. */
+static bool options_denoise(const offline_options *o)
+{
+	return o->denoise && RENDER_NOISY >> o->light.integrator & 1;
+}
+
+static bool options_denoise_check(const offline_options *o)
+{
+	if (options_denoise(o) && o->samples < 2)
+		stilb_log("--denoise compares the halves of a pixel's samples, and --spp 1 has none; give --spp 2 or more");
+	else if (options_denoise(o) && !o->output && !o->dry_run && !o->guest)
+		stilb_log("--denoise filters the picture that is written; give -o FILE");
+	else
+		return true;
+	return false;
+}
+
 bool offline_options_check(const offline_options *o)
 {
 	if (!o->scene) {
@@ -521,8 +543,8 @@ bool offline_options_check(const offline_options *o)
 		stilb_log("--background transparent: a .hdr has no alpha; give -o a .png or an .exr");
 		return false;
 	}
-	return picture_flags_check(&o->picture) && options_lens_check(o) && options_motion_check(o) &&
-	       options_part_check(o) && options_files_check(o);
+	return picture_flags_check(&o->picture) && options_denoise_check(o) && options_lens_check(o) &&
+	       options_motion_check(o) && options_part_check(o) && options_files_check(o);
 }
 
 /* ---- settings ---------------------------------------------------------------------------------------------------- */
@@ -555,6 +577,7 @@ stilb_gi_settings offline_options_settings(const offline_options *o, const stilb
 	s.model = options_model(o, s.model);
 	s.only = (stilb_gi_only)o->only;
 	s.firefly_weight = o->fireflies == 1;
+	s.denoise = options_denoise(o);
 	s.roulette = o->roulette;
 	s.rays = (uint32_t)o->rays;
 	s.ao_distance = o->ao_distance;

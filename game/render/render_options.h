@@ -41,7 +41,7 @@ typedef struct offline_options {
 	uint32_t part_index, part_of;
 	bool merge; /* of --help alone: render_merge.h reads it */
 	bool guest; /* one of the ranks of mpirun that write nothing */
-	bool preview, resume, dry_run, force, show_records;
+	bool denoise, preview, resume, dry_run, force, show_records;
 } offline_options;
 
 /* The words that the flags --sampler, --filter and --cache-radius accept, in the order of the

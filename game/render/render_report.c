@@ -115,6 +115,7 @@ static void report_put_settings(stilb_json *json, const stilb_gi_settings *s)
 	stilb_json_int(json, "rays_per_hit", s->rays);
 	stilb_json_string(json, "only", s->only == STILB_GI_ONLY_INDIRECT ? "indirect" : "all");
 	stilb_json_string(json, "fireflies", s->firefly_weight ? "weight" : "keep");
+	stilb_json_bool(json, "denoise", s->denoise);
 	report_put_model(json, s->model);
 	report_put_camera(json, &s->camera);
 	stilb_json_double(json, "exposure", (double)s->exposure);
@@ -142,6 +143,8 @@ static void report_put_run(stilb_json *json, const offline_options *o, const off
 	stilb_json_int(json, "import_bytes", (int64_t)result->import_bytes);
 	stilb_json_double(json, "build_s", result->build_s);
 	stilb_json_double(json, "render_s", progress->seconds);
+	if (result->settings.denoise)
+		stilb_json_double(json, "denoise_s", result->denoise_s);
 	stilb_json_double(json, "save_s", result->save_s);
 	stilb_json_string(json, "end", report_end(result));
 	if (result->message[0])
@@ -213,6 +216,8 @@ void offline_report_print(const offline_options *o, const offline_result *result
 	if (s->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		fprintf(out, "%" PRIu32 " records in the cache\n", progress->records);
 	fprintf(out, "%s rays in %.2f s: %s rays/s\n", rays, progress->seconds, rate);
+	if (result->denoise_s > 0.0)
+		fprintf(out, "denoised in %.2f s\n", result->denoise_s);
 	if (result->metered)
 		fprintf(out, "exposure: %.2f EV, metered\n", (double)s->exposure);
 	if (o->frames)

@@ -317,6 +317,21 @@ static bool work_render_frame(work_pieces *p, double seconds)
 	return true;
 }
 
+/* Writes the part, or the picture, denoised if that is asked for. */
+static stilb_result work_write(work_pieces *p)
+{
+	if (p->options->part)
+		return stilb_gi_farm_save_part(p->render, p->output);
+	if (p->result->settings.denoise) {
+		uint64_t start = stilb_time_ns();
+		stilb_result result = stilb_gi_render_denoise(p->render);
+		p->result->denoise_s = work_seconds_since(start);
+		if (result != STILB_OK)
+			return result;
+	}
+	return stilb_gi_render_save(p->render, p->output);
+}
+
 /* Writes the picture. If that fails, or the picture is unfinished, the samples are kept in a checkpoint; a finished
  * picture removes the checkpoint. */
 static void work_save(work_pieces *p)
@@ -330,8 +345,7 @@ static void work_save(work_pieces *p)
 	if (p->options->part && p->result->stopped) {
 		p->result->saved = false; /* what a part lacks could not be told in a picture */
 	} else if (p->output && (picture || p->options->part)) {
-		p->result->saved = (p->options->part ? stilb_gi_farm_save_part(p->render, p->output)
-		                                     : stilb_gi_render_save(p->render, p->output)) == STILB_OK;
+		p->result->saved = work_write(p) == STILB_OK;
 		if (!p->result->saved)
 			work_fail(p, EXIT_FAILED);
 	}
@@ -339,7 +353,7 @@ static void work_save(work_pieces *p)
 		work_checkpoint(p);
 	else if (p->result->progress.finished && p->options->checkpoint[0])
 		unlink(p->options->checkpoint);
-	p->result->save_s = work_seconds_since(start);
+	p->result->save_s = work_seconds_since(start) - p->result->denoise_s;
 }
 
 /* The name of a frame's picture: its number before the extension. NULL: no memory. */

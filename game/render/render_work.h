@@ -32,18 +32,18 @@ typedef enum offline_stage {
 
 /* The outcome of the work. */
 typedef struct offline_result {
-	int code;                       /* exit code of the program */
-	char message[512];              /* the error, if code is not 0 */
-	bool prepared;                  /* the scene could be built; else settings, scene and progress are {0} */
-	bool stopped;                   /* the render ended before it was finished */
-	uint32_t frames;                /* pictures of --frames that were written */
-	bool saved, checkpointed;       /* the picture was written; the last checkpoint was written */
-	uint32_t workers;               /* threads that rendered here */
-	uint32_t ranks;                 /* machines that rendered; 0: this one alone */
-	char shares[256];               /* who of these rendered how much, in words */
-	double open_s, build_s, save_s; /* seconds of the stages */
-	bool metered;                   /* the exposure in settings is metered */
-	uint64_t import_bytes;          /* the most memory of the import process at once; 0: unknown */
+	int code;                                  /* exit code of the program */
+	char message[512];                         /* the error, if code is not 0 */
+	bool prepared;                             /* the scene could be built; else settings, scene and progress are {0} */
+	bool stopped;                              /* the render ended before it was finished */
+	uint32_t frames;                           /* pictures of --frames that were written */
+	bool saved, checkpointed;                  /* the picture was written; the last checkpoint was written */
+	uint32_t workers;                          /* threads that rendered here */
+	uint32_t ranks;                            /* machines that rendered; 0: this one alone */
+	char shares[256];                          /* who of these rendered how much, in words */
+	double open_s, build_s, denoise_s, save_s; /* seconds of the stages; denoise_s: 0 without --denoise */
+	bool metered;                              /* the exposure in settings is metered */
+	uint64_t import_bytes;                     /* the most memory of the import process at once; 0: unknown */
 	stilb_gi_settings settings;
 	stilb_gi_scene_info scene;
 	stilb_gi_progress progress;

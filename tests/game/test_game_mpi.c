@@ -52,6 +52,9 @@ static void test_same_bits_from_any_ranks(void **state)
 		assert_true(stat_int("camera_rays") >= 72 * 48 * 8); /* of all ranks */
 		assert_true(i == 0 || strstr(run.out, " ranks rendered "));
 	}
+	stilb_good("render " PICTURE " -o whole.exr --denoise");
+	assert_int_equal(ranks("-n 2 @ " PICTURE " -o ranks.exr --denoise"), 0);
+	assert_true(same_file("whole.exr", "ranks.exr"));
 	/* The cache's overture is computed by each, and is the same. */
 	stilb_good("render " PICTURE " -o whole.png --integrator irradiance-cache --cache-rays 64");
 	assert_int_equal(ranks("-n 2 @ " PICTURE " -o ranks.png --integrator irradiance-cache --cache-rays 64"), 0);

@@ -32,6 +32,22 @@ static void test_parts_are_the_picture(void **state)
 	assert_int_equal(folder_entries(), 8); /* four pictures, three parts, the numbers */
 }
 
+/* What denoising needs is in the parts, and it is done when they are joined. */
+static void test_parts_are_denoised(void **state)
+{
+	(void)state;
+	stilb_good(SMALL "-o noisy.exr --workers 1");
+	stilb_good(SMALL "-o whole.exr --workers 2 --denoise");
+	stilb_good(SMALL "--part 1/2 -o 1.part --denoise");
+	stilb_good(SMALL "--part 2/2 -o 2.part --denoise");
+	stilb_good(SMALL "--part 2/2 -o other.part");
+	stilb_good("render --merge 2.part 1.part -o merged.exr");
+	assert_true(same_file("whole.exr", "merged.exr"));
+	assert_false(same_file("noisy.exr", "merged.exr"));
+	refused("render --merge 1.part other.part -o a.exr",
+	        "'other.part' does not belong to '1.part': its denoise is no, not yes");
+}
+
 static void test_what_does_not_fit(void **state)
 {
 	(void)state;
@@ -120,6 +136,7 @@ int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup(test_parts_are_the_picture, folder_fresh),
+		cmocka_unit_test_setup(test_parts_are_denoised, folder_fresh),
 		cmocka_unit_test_setup(test_what_does_not_fit, folder_fresh),
 		cmocka_unit_test_setup(test_another_build, folder_fresh),
 		cmocka_unit_test_setup(test_what_no_part_can_do, folder_fresh),

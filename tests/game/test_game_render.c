@@ -114,6 +114,24 @@ static void test_same_bits_from_any_workers(void **state)
 	assert_false(same_pixels("a.exr", "b.exr"));
 }
 
+/* The denoised picture is another one, whatever the format and the workers, with the same other layers. */
+static void test_denoise(void **state)
+{
+	(void)state;
+	stilb_good(SMALL "-o noisy.exr");
+	stilb_good(SMALL "-o a.exr --denoise --workers 1 --stats s.json");
+	read_stats("s.json");
+	assert_said(run.out, "denoised in ");
+	assert_true(strtod(stat_text("denoise_s", '0'), NULL) > 0.0);
+	stilb_good(SMALL "-o b.exr --denoise --workers 3");
+	assert_true(same_file("a.exr", "b.exr"));
+	assert_false(same_pixels("noisy.exr", "a.exr"));
+	stilb_good(SMALL "-o noisy.png");
+	stilb_good(SMALL "-o a.png --denoise");
+	assert_false(same_pixels("noisy.png", "a.png"));
+	stilb_good(SMALL "-o a.hdr --denoise --error 0.5"); /* ends by its error, with some number of samples */
+}
+
 /* ---- an end before the end --------------------------------------------------------------------------------------- */
 
 /* A killed process leaves its checkpoint; a run that resumes from it ends with the same bits as one without a break. */
@@ -254,6 +272,8 @@ static const refusal refused[] = {
 	{"render cornell -o missing/a.png", "missing"},
 	{"render cornell -o .", "'.'"},
 	{"render cornell -o a.png --integrator magic", "irradiance-cache"},
+	{"render cornell -o a.png --spp 1 --denoise", "give --spp 2 or more"},
+	{"render cornell --preview --denoise", "give -o FILE"},
 	{"render cornell -o a.png --show nose", "'nose' is not one of: base, normal, tangent, roughness, metalness"},
 	{"render cornell -o a.png --show wireframe", "rays have none; 'stilb view --show wireframe' draws it"},
 	{"render cornell -o a.png --show overdraw", "rays have none"},
@@ -348,8 +368,10 @@ static void test_an_output_never_replaces_the_scene(void **state)
 static void test_flags_without_use(void **state)
 {
 	(void)state;
-	assert_int_equal(stilb_code(no_display, SMALL "-o a.png --integrator color --depth 3 --cache-rays 64"), 0);
-	assert_error_lines(2);
+	assert_int_equal(stilb_code(no_display, SMALL "-o a.png --integrator color --depth 3 --cache-rays 64 --denoise"),
+	                 0);
+	assert_error_lines(3);
+	assert_said(run.err, "--denoise is ignored: --integrator color does not use it");
 	assert_said(run.err, "--depth is ignored: --integrator color does not use it");
 	assert_said(run.err, "--cache-rays is ignored: --integrator color does not use it");
 }
@@ -544,6 +566,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest slow[] = {
 		cmocka_unit_test_setup(test_png_is_what_one_sees, folder_fresh),
 		cmocka_unit_test_setup(test_same_bits_from_any_workers, folder_fresh),
+		cmocka_unit_test_setup(test_denoise, folder_fresh),
 		cmocka_unit_test_setup(test_resume_gives_the_same_bits, folder_fresh),
 		cmocka_unit_test_setup(test_other_signals, folder_fresh),
 		cmocka_unit_test_setup(test_checkpoints_that_are_none, folder_fresh),

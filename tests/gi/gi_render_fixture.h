@@ -65,7 +65,7 @@ static inline stilb_gi_render *render_fixture_create(const render_fixture *fixtu
 	return render;
 }
 
-/* A hash of every number of the film. */
+/* A hash of every number of the film, also of the denoised picture if there is one. */
 static inline uint64_t film_hash(const stilb_gi_render *render)
 {
 	stilb_gi_film film = stilb_gi_render_film(render);
@@ -78,7 +78,7 @@ static inline uint64_t film_hash(const stilb_gi_render *render)
 	uint64_t hash = STILB_FNV1A64_START;
 	for (size_t i = 0; i < sizeof planes / sizeof *planes; i++)
 		hash = stilb_hash_fnv1a64(hash, planes[i].plane, pixels * planes[i].size);
-	return hash;
+	return film.denoised ? stilb_hash_fnv1a64(hash, film.denoised, 12 * pixels) : hash;
 }
 
 static inline stilb_gi_progress progress_of(stilb_gi_render *render)
@@ -95,6 +95,8 @@ static inline uint64_t render_whole(const render_fixture *fixture, const stilb_g
 	if (stilb_gi_render_run(render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
 	assert_true(progress_of(render).finished);
+	if (settings->denoise)
+		assert_int_equal(stilb_gi_render_denoise(render), STILB_OK);
 	uint64_t hash = film_hash(render);
 	stilb_gi_render_destroy(render);
 	return hash;

@@ -69,6 +69,8 @@ static uint64_t render_in_parts(const stilb_gi_settings *settings, uint32_t *par
 			done = progress_of(render).done;
 		assert_int_equal(stilb_gi_render_checkpoint(render, path), STILB_OK);
 		finished = progress_of(render).finished;
+		if (settings->denoise)
+			assert_int_equal(stilb_gi_render_denoise(render), STILB_OK);
 		hash = film_hash(render);
 		stilb_gi_render_destroy(render);
 		render_fixture_finish(&fixture);
@@ -87,6 +89,7 @@ static void same_bits_in_parts(void **state)
 	for (int variant = TEST_TSAN ? 3 : 0; variant < 6; variant++) {
 		settings.progressive = variant % 2;
 		settings.firefly_weight = variant / 2 % 2;
+		settings.denoise = variant >= 3;
 		settings.integrator = variant < 5 ? STILB_GI_INTEGRATOR_PATH : STILB_GI_INTEGRATOR_IRRADIANCE_CACHE;
 		settings.error = variant == 4 ? 0.01f : 0.0f; /* not reached */
 		uint32_t parts;
@@ -363,8 +366,8 @@ static void no_memory(void **state)
 	render_fixture fixture = render_fixture_make("cornell", 0);
 	stilb_gi_settings settings = render_fixture_settings(&fixture);
 	settings.integrator = STILB_GI_INTEGRATOR_IRRADIANCE_CACHE;
-	settings.firefly_weight = true;
-	settings.samples = 1;
+	settings.firefly_weight = settings.denoise = true;
+	settings.samples = 2;
 	write_checkpoint(&fixture, &settings);
 	bool resumed = false;
 	uint32_t failures = 0;

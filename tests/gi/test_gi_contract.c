@@ -120,6 +120,7 @@ static void pictures(void **state)
 	contract_breaks("caller == 0 || caller == ", (stilb_gi_render_share(render, 1, 0.0), 0));
 	contract_breaks("slice >= 0.0", (stilb_gi_render_share(render, 0, -1.0), 0));
 	contract_breaks("render", (stilb_gi_render_stop(NULL), 0));
+	contract_breaks("render->view.settings.denoise", stilb_gi_render_denoise(render));
 	contract_breaks("render && rgb", (stilb_gi_render_preview(render, NULL), 0));
 	contract_breaks("a scene keeps its intersector", stilb_gi_scene_update(fixture.gi, fixture.scene, &desc));
 	contract_breaks("index < (size_t)film->width * film->height", add_outside());

@@ -100,13 +100,25 @@ static uint64_t whole_hash(const stilb_gi_settings *settings, const char *path)
 	return hash_of(path);
 }
 
+static stilb_result merge_files(const char *const *paths, uint32_t count, const char *output,
+                                stilb_gi_farm_merged *merged)
+{
+	stilb_job_pool *pool;
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	desc.worker_count = 1;
+	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
+	stilb_result result = stilb_gi_farm_merge(paths, count, output, pool, merged);
+	stilb_job_pool_destroy(pool);
+	return result;
+}
+
 static stilb_result merge(char paths[][32], uint32_t count, uint32_t turn, const char *output)
 {
 	const char *order[16];
 	for (uint32_t i = 0; i < count; i++)
 		order[i] = paths[(i * (turn % 2 ? count - 1 : 1) + turn) % count];
 	stilb_gi_farm_merged merged;
-	stilb_result result = stilb_gi_farm_merge(order, count, output, &merged);
+	stilb_result result = merge_files(order, count, output, &merged);
 	if (result == STILB_OK)
 		assert_true(merged.width == 37 && merged.height == 21 && merged.rays > 0 && merged.seconds > 0.0);
 	return result;
@@ -122,6 +134,7 @@ static void same_bits(void **state)
 	for (int variant = 0; variant < (TEST_TSAN ? 1 : 4); variant++) {
 		settings.firefly_weight = variant == 1;
 		settings.integrator = variant == 2 ? STILB_GI_INTEGRATOR_IRRADIANCE_CACHE : STILB_GI_INTEGRATOR_PATH;
+		settings.denoise = variant == 1;
 		settings.sampler = variant == 3 ? STILB_GI_SAMPLER_BLUE_NOISE : STILB_GI_SAMPLER_SOBOL;
 		settings.seed = UINT64_MAX - (uint64_t)variant; /* no double holds it */
 		uint64_t whole = whole_hash(&settings, "whole.exr"), shown = whole_hash(&settings, "whole.png");
@@ -153,7 +166,7 @@ static void more_parts_than_units(void **state)
 	make_parts(&settings, 7, paths); /* of 1 or 2 units */
 	for (int i = 0; i < 7; i++)
 		order[i] = paths[i];
-	assert_int_equal(stilb_gi_farm_merge(order, 7, "merged.exr", &merged), STILB_OK);
+	assert_int_equal(merge_files(order, 7, "merged.exr", &merged), STILB_OK);
 	assert_int_equal(hash_of("merged.exr"), whole_hash(&settings, "whole.exr"));
 	folder_clear();
 }
@@ -200,9 +213,9 @@ static void a_share_resumes(void **state)
 	make_part(&settings, 3, 3, "3.part");
 	stilb_gi_farm_merged merged;
 	const char *parts[] = {"1.part", "whole.part", "3.part"};
-	assert_int_equal(stilb_gi_farm_merge(parts, 3, "a.exr", &merged), STILB_OK);
+	assert_int_equal(merge_files(parts, 3, "a.exr", &merged), STILB_OK);
 	parts[1] = "stopped.part";
-	assert_int_equal(stilb_gi_farm_merge(parts, 3, "b.exr", &merged), STILB_OK);
+	assert_int_equal(merge_files(parts, 3, "b.exr", &merged), STILB_OK);
 	assert_int_equal(hash_of("a.exr"), hash_of("b.exr"));
 	/* The checkpoint is of that share alone. */
 	stilb_gi_render *render = render_fixture_create(&fixture, &settings);
@@ -240,15 +253,15 @@ static void foreign_parts(void **state)
 	             {"none.part", "none.part"}};
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		const char *parts[] = {"1.part", cases[i].part};
-		assert_int_not_equal(stilb_gi_farm_merge(parts, 2, "a.exr", &merged), STILB_OK);
+		assert_int_not_equal(merge_files(parts, 2, "a.exr", &merged), STILB_OK);
 		if (!strstr(stilb_error_message(), cases[i].said))
 			fail_msg("'%s', not '%s'", stilb_error_message(), cases[i].said);
 		assert_int_equal(access("a.exr", F_OK), -1);
 	}
 	const char *good[] = {"2.part", "1.part"};
-	assert_int_equal(stilb_gi_farm_merge(good, 1, "a.exr", &merged), STILB_ERROR_ARGUMENT);
+	assert_int_equal(merge_files(good, 1, "a.exr", &merged), STILB_ERROR_ARGUMENT);
 	assert_non_null(strstr(stilb_error_message(), "1 of 2 parts is missing: 1/2"));
-	assert_int_equal(stilb_gi_farm_merge(good, 2, "no/such/a.exr", &merged), STILB_ERROR_ARGUMENT);
+	assert_int_equal(merge_files(good, 2, "no/such/a.exr", &merged), STILB_ERROR_ARGUMENT);
 	folder_clear();
 }
 

@@ -26,7 +26,7 @@ static void add(gi_film *film, size_t pixel, stilb_vec3 radiance, float depth)
 static gi_film film_of(uint32_t width, uint32_t height, bool weighted)
 {
 	gi_film film;
-	assert_int_equal(gi_film_create(&film, width, height, weighted), STILB_OK);
+	assert_int_equal(gi_film_create(&film, width, height, (gi_film_kind){.weighted = weighted}), STILB_OK);
 	return film;
 }
 

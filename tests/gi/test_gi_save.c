@@ -20,7 +20,7 @@ static int tear_down(void **state)
 	return folder_remove();
 }
 
-static void saved(const stilb_gi_render *render, const char *path)
+static void saved(stilb_gi_render *render, const char *path)
 {
 	if (stilb_gi_render_save(render, path) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
@@ -80,6 +80,29 @@ static void every_layer(void **state)
 	render_fixture_finish(&fixture);
 }
 
+/* The file of a denoised picture has it as its radiance, denoised when it is saved, and the other layers unchanged. */
+static void denoised(void **state)
+{
+	(void)state;
+	render_fixture fixture = render_fixture_make("cornell", 0);
+	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.denoise = true;
+	stilb_gi_render *render = render_fixture_create(&fixture, &settings);
+	assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+	saved(render, exr);
+	stilb_gi_film film = stilb_gi_render_film(render);
+	assert_non_null(film.denoised);
+	assert_memory_not_equal(film.denoised, film.radiance, sizeof(float[3]) * film.width * film.height);
+	stilb_image_layers *layers = loaded(exr);
+	for (int c = 0; c < 3; c++) {
+		holds(layers, (const char *[]){"R", "G", "B"}[c], film.denoised + c, 3);
+		holds(layers, (const char *[]){"variance.R", "variance.G", "variance.B"}[c], film.variance + c, 3);
+	}
+	stilb_image_layers_finish(layers);
+	stilb_gi_render_destroy(render);
+	render_fixture_finish(&fixture);
+}
+
 static void says(const stilb_image_layers *layers, const char *name, const char *text)
 {
 	const char *found = stilb_image_layers_attribute(layers, name);
@@ -93,7 +116,7 @@ static void every_setting(void **state)
 	render_fixture fixture = render_fixture_make("cornell", 0);
 	stilb_gi_settings settings = render_fixture_settings(&fixture);
 	settings.integrator = STILB_GI_INTEGRATOR_AO;
-	settings.firefly_weight = true;
+	settings.firefly_weight = settings.denoise = true;
 	settings.lens.radius = 0.1f;
 	settings.seed = 12345678901234567890u;
 	stilb_gi_render *render = render_fixture_create(&fixture, &settings);
@@ -101,6 +124,7 @@ static void every_setting(void **state)
 	stilb_image_layers *layers = loaded(exr);
 	says(layers, "stilb:integrator", "ao");
 	says(layers, "stilb:firefly_weight", "yes");
+	says(layers, "stilb:denoise", "yes");
 	says(layers, "stilb:width", "37");
 	says(layers, "stilb:samples", "6");
 	says(layers, "stilb:seed", "12345678901234567890");
@@ -204,7 +228,7 @@ static void picture(void **state)
 
 /* ---- what goes wrong --------------------------------------------------------------------------------------------- */
 
-static void refused(const stilb_gi_render *render, const char *path, stilb_result expected)
+static void refused(stilb_gi_render *render, const char *path, stilb_result expected)
 {
 	assert_int_equal(stilb_gi_render_save(render, path), expected);
 	assert_non_null(strstr(stilb_error_message(), path));
@@ -249,8 +273,13 @@ static void full_disks_and_wrong_paths(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_layer), cmocka_unit_test(every_setting), cmocka_unit_test(same_picture_same_file),
-		cmocka_unit_test(display),     cmocka_unit_test(picture),       cmocka_unit_test(full_disks_and_wrong_paths),
+		cmocka_unit_test(every_layer),
+		cmocka_unit_test(denoised),
+		cmocka_unit_test(every_setting),
+		cmocka_unit_test(same_picture_same_file),
+		cmocka_unit_test(display),
+		cmocka_unit_test(picture),
+		cmocka_unit_test(full_disks_and_wrong_paths),
 	};
 	return cmocka_run_group_tests(tests, folder_make, tear_down);
 }

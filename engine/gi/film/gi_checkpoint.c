@@ -102,6 +102,8 @@ stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const cha
 		checkpoint_write_hashed(&file, &hash, film->pixels, film_pixels(film) * sizeof *film->pixels);
 		if (film->weights)
 			checkpoint_write_hashed(&file, &hash, film->weights, film_pixels(film) * sizeof *film->weights);
+		if (film->halves)
+			checkpoint_write_hashed(&file, &hash, film->halves, film_pixels(film) * sizeof *film->halves);
 	}
 	if (result != STILB_OK) {
 		stilb_file_finish(&file);
@@ -118,7 +120,7 @@ typedef struct checkpoint_reader {
 	FILE *stream;
 	uint64_t hash, left; /* left: bytes of the file that are not read yet */
 	checkpoint_state state;
-	gi_film film; /* the film's sums as read; of this struct only pixels and weights are set */
+	gi_film film; /* the film's sums as read; of this struct only pixels, weights and halves are set */
 	char *share;  /* of a share, its units in their place */
 } checkpoint_reader;
 
@@ -193,15 +195,18 @@ static bool state_is_possible(const checkpoint_state *state, const gi_film *film
 static stilb_result read_film(checkpoint_reader *reader, const gi_film *shape)
 {
 	size_t count = film_pixels(shape), weights = shape->weights ? sizeof *shape->weights : 0;
-	if (reader->left != count * (sizeof *shape->pixels + weights) + sizeof reader->hash)
+	size_t halves = shape->halves ? sizeof *shape->halves : 0;
+	if (reader->left != count * (sizeof *shape->pixels + weights + halves) + sizeof reader->hash)
 		return resume_damaged(reader);
 	gi_film *film = &reader->film;
 	film->pixels = stilb_memory_alloc(count, sizeof *film->pixels);
 	film->weights = weights ? stilb_memory_alloc(count, weights) : NULL;
-	if (!film->pixels || (weights && !film->weights))
+	film->halves = halves ? stilb_memory_alloc(count, halves) : NULL;
+	if (!film->pixels || (weights && !film->weights) || (halves && !film->halves))
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot resume from '%s': out of memory", reader->path);
 	bool whole = checkpoint_read_hashed(reader, film->pixels, count * sizeof *film->pixels) &&
-	             (!weights || checkpoint_read_hashed(reader, film->weights, count * weights));
+	             (!weights || checkpoint_read_hashed(reader, film->weights, count * weights)) &&
+	             (!halves || checkpoint_read_hashed(reader, film->halves, count * halves));
 	uint64_t hash = reader->hash, written = 0;
 	whole = whole && checkpoint_read_hashed(reader, &written, sizeof written) && written == hash;
 	return whole ? STILB_OK : resume_damaged(reader);
@@ -262,13 +267,14 @@ static void take_passes(stilb_gi_render *render, const checkpoint_state *state)
 
 static void take_film(gi_film *film, gi_film *loaded)
 {
-	STILB_ASSERT(loaded->pixels && !loaded->weights == !film->weights);
-	gi_film_pixel *pixels = film->pixels;
-	gi_film_weight *weights = film->weights;
+	STILB_ASSERT(loaded->pixels && !loaded->weights == !film->weights && !loaded->halves == !film->halves);
+	gi_film old = *film;
 	film->pixels = loaded->pixels;
 	film->weights = loaded->weights;
-	loaded->pixels = pixels; /* the old arrays: freed with the reader, to which loaded belongs */
-	loaded->weights = weights;
+	film->halves = loaded->halves;
+	loaded->pixels = old.pixels; /* freed with the reader, to which loaded belongs */
+	loaded->weights = old.weights;
+	loaded->halves = old.halves;
 	for (size_t i = 0; i < film_pixels(film); i++)
 		gi_film_resolve(film, i);
 }

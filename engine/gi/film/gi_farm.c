@@ -1,6 +1,7 @@
 /* gi_farm: a render as work for many machines, parts of it as files, and a picture from parts. */
 #include "gi/gi_farm.h"
 
+#include "gi/film/gi_denoise.h"
 #include "gi/film/gi_identity.h"
 #include "gi/film/gi_picture.h"
 #include "gi/gi_render_internal.h"
@@ -225,7 +226,7 @@ static stilb_result merge_begin(const stilb_farm_part *part, merge_picture *merg
 	if (!gi_units_create(settings->width, settings->height, settings->samples, &merge->units))
 		result = stilb_fail(STILB_ERROR_MEMORY, "out of memory for the units of a picture");
 	if (result == STILB_OK)
-		result = gi_film_create(&merge->film, settings->width, settings->height, settings->firefly_weight);
+		result = gi_film_create(&merge->film, settings->width, settings->height, gi_film_kind_of(settings));
 	if (result == STILB_OK && (part->head.unit_count != merge->units.count ||
 	                           part->head.unit_size != gi_unit_size(&merge->units, &merge->film)))
 		result = stilb_fail(STILB_ERROR_FILE, "'%s' is damaged; make this part again", part->path);
@@ -236,7 +237,7 @@ static stilb_result merge_begin(const stilb_farm_part *part, merge_picture *merg
 	return result;
 }
 
-static stilb_result merge_parts(stilb_farm_part *const *parts, uint32_t count, const char *output,
+static stilb_result merge_parts(stilb_farm_part *const *parts, uint32_t count, const char *output, stilb_job_pool *pool,
                                 stilb_gi_farm_merged *merged)
 {
 	stilb_result result = stilb_farm_parts_check(parts, count);
@@ -257,6 +258,8 @@ static stilb_result merge_parts(stilb_farm_part *const *parts, uint32_t count, c
 		merged->rays += parts[i]->head.notes[NOTE_RAYS];
 		merged->seconds += (double)parts[i]->head.notes[NOTE_NANOSECONDS] * 1e-9;
 	}
+	if (result == STILB_OK && merge.settings.denoise)
+		result = gi_denoise(&merge.film, pool, 0);
 	if (result == STILB_OK)
 		result = gi_picture_save(&merge.picture, output);
 	gi_film_finish(&merge.film);
@@ -264,17 +267,17 @@ static stilb_result merge_parts(stilb_farm_part *const *parts, uint32_t count, c
 	return result;
 }
 
-stilb_result stilb_gi_farm_merge(const char *const *paths, uint32_t count, const char *output,
+stilb_result stilb_gi_farm_merge(const char *const *paths, uint32_t count, const char *output, stilb_job_pool *pool,
                                  stilb_gi_farm_merged *merged)
 {
-	STILB_ASSERT(paths && count >= 1 && output && merged);
+	STILB_ASSERT(paths && count >= 1 && output && pool && merged);
 	PROFILE("gi.merge");
 	stilb_farm_part **parts = calloc(count, sizeof *parts);
 	stilb_result result = parts ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for %u parts", count);
 	for (uint32_t i = 0; i < count && result == STILB_OK; i++)
 		result = stilb_farm_part_open(paths[i], &parts[i]);
 	if (result == STILB_OK)
-		result = merge_parts(parts, count, output, merged);
+		result = merge_parts(parts, count, output, pool, merged);
 	for (uint32_t i = 0; parts && i < count; i++)
 		stilb_farm_part_close(parts[i]);
 	free(parts);

@@ -4,12 +4,18 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define FILM_FIREFLY_RANGE 1.0f /* luminance at which a sample's weight is half, if bright samples weigh less */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
-stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool weighted)
+gi_film_kind gi_film_kind_of(const stilb_gi_settings *settings)
+{
+	return (gi_film_kind){.weighted = settings->firefly_weight, .halves = settings->denoise};
+}
+
+stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, gi_film_kind kind)
 {
 	STILB_ASSERT(film && width > 0 && height > 0);
 	size_t count = (size_t)width * height;
@@ -17,7 +23,8 @@ stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool
 	/* So much memory comes as pages that are zero and not there until they are touched: a large picture begins at once,
 	 * and a part of it takes a part of the memory. Huge pages would each hold pixels of every part. */
 	film->pixels = calloc(count, sizeof *film->pixels);
-	film->weights = weighted ? calloc(count, sizeof *film->weights) : NULL;
+	film->weights = kind.weighted ? calloc(count, sizeof *film->weights) : NULL;
+	film->halves = kind.halves ? calloc(count, sizeof *film->halves) : NULL;
 	film->radiance = calloc(3 * count, sizeof *film->radiance);
 	film->samples = calloc(count, sizeof *film->samples);
 	film->albedo = calloc(count, sizeof(float[3]));
@@ -25,7 +32,7 @@ stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool
 	film->depth = calloc(count, sizeof *film->depth);
 	film->variance = calloc(count, sizeof(float[3]));
 	bool whole = film->pixels && film->radiance && film->samples && film->albedo && film->normal && film->depth &&
-	             film->variance && (film->weights || !weighted);
+	             film->variance && (film->weights || !kind.weighted) && (film->halves || !kind.halves);
 	if (!whole) {
 		gi_film_finish(film);
 		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a picture of %u x %u pixels; render a smaller one",
@@ -36,28 +43,48 @@ stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool
 	return STILB_OK;
 }
 
+void gi_film_drop_denoised(gi_film *film)
+{
+	free(film->denoised);
+	film->denoised = NULL;
+}
+
 void gi_film_finish(gi_film *film)
 {
 	free(film->pixels);
 	free(film->weights);
+	free(film->halves);
 	free(film->radiance);
 	free(film->samples);
 	free(film->albedo);
 	free(film->normal);
 	free(film->depth);
 	free(film->variance);
+	gi_film_drop_denoised(film);
 	*film = (gi_film){0};
 }
 
 /* ---- samples ----------------------------------------------------------------------------------------------------- */
 
-static void film_add_weighted(gi_film *film, size_t index, stilb_vec3 radiance)
+bool gi_film_is_first_half(uint32_t sample)
+{
+	if (sample < 2)
+		return sample == 0;
+	return !(sample >> (30 - __builtin_clz(sample)) & 1u); /* the bit below the highest one that is set */
+}
+
+static double film_weight_of(stilb_vec3 radiance)
+{
+	double weight = (double)shade_firefly_weight(fmaxf(shade_luminance(radiance), 0.0f), FILM_FIREFLY_RANGE);
+	STILB_ASSERT(weight > 0.0 && weight <= 1.0);
+	return weight;
+}
+
+static void film_add_weighted(gi_film *film, size_t index, stilb_vec3 radiance, double weight)
 {
 	STILB_ASSERT(film->weights);
 	gi_film_pixel *pixel = &film->pixels[index];
 	gi_film_weight *weights = &film->weights[index];
-	double weight = (double)shade_firefly_weight(fmaxf(shade_luminance(radiance), 0.0f), FILM_FIREFLY_RANGE);
-	STILB_ASSERT(weight > 0.0 && weight <= 1.0);
 	weights->weight += weight;
 	weights->weight_squared += weight * weight;
 	for (int c = 0; c < 3; c++) {
@@ -77,6 +104,13 @@ static void film_add_plain(gi_film_pixel *pixel, stilb_vec3 radiance)
 	}
 }
 
+static void film_add_half(gi_film_half *half, stilb_vec3 radiance, double weight)
+{
+	for (int c = 0; c < 3; c++)
+		half->radiance[c] += weight * (double)radiance[c];
+	half->weight += weight;
+}
+
 bool gi_film_add(gi_film *film, size_t index, const gi_film_sample *sample)
 {
 	STILB_ASSERT(index < (size_t)film->width * film->height);
@@ -86,10 +120,13 @@ bool gi_film_add(gi_film *film, size_t index, const gi_film_sample *sample)
 	bool good = isfinite(radiance[0]) && isfinite(radiance[1]) && isfinite(radiance[2]);
 	if (!good)
 		radiance = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	double weight = film->weights ? film_weight_of(radiance) : 1.0;
 	if (film->weights)
-		film_add_weighted(film, index, radiance);
+		film_add_weighted(film, index, radiance, weight);
 	else
 		film_add_plain(pixel, radiance);
+	if (film->halves && gi_film_is_first_half(pixel->samples))
+		film_add_half(&film->halves[index], radiance, weight);
 	for (int c = 0; c < 3; c++) {
 		pixel->albedo[c] += (double)sample->albedo[c];
 		pixel->normal[c] += (double)sample->normal[c];
@@ -160,6 +197,7 @@ stilb_gi_film gi_film_planes(const gi_film *film)
 	                       .normal = film->normal,
 	                       .depth = film->depth,
 	                       .variance = film->variance,
+	                       .denoised = film->denoised,
 	                       .samples = (const uint32_t *)film->samples};
 }
 
@@ -204,6 +242,17 @@ void gi_film_preview(const gi_film *film, float *rgb)
 				*rgb++ = atomic_load_explicit(&film->radiance[3 * shown + c], memory_order_relaxed);
 		}
 	}
+}
+
+void gi_film_picture(const gi_film *film, float *rgb)
+{
+	if (!film->denoised) {
+		gi_film_preview(film, rgb);
+		return;
+	}
+	for (uint32_t y = 0; y < film->height; y++)
+		for (uint32_t x = 0; x < film->width; x++, rgb += 3)
+			memcpy(rgb, film->denoised + 3 * film_shown(film, x, y), sizeof(float[3]));
 }
 
 void gi_film_coverage(const gi_film *film, float *share)

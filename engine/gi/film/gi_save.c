@@ -126,7 +126,7 @@ static stilb_result save_display(const gi_picture *picture, const char *path)
 	float *rgb = stilb_memory_alloc(pixels, sizeof(float[3]));
 	bool good = rgb;
 	if (good)
-		gi_film_preview(film, rgb);
+		gi_film_picture(film, rgb);
 	if (good && alpha)
 		good = save_with_alpha(picture, rgb, image.pixels);
 	else if (good)
@@ -153,13 +153,19 @@ static void save_triple(stilb_image_channel *channels, const char *const names[3
 		channels[c] = (stilb_image_channel){.name = names[c], .values = plane + c, .stride = 3};
 }
 
+/* [3] The radiance that the file shows. */
+static const float *save_radiance(const stilb_gi_film *film)
+{
+	return film->denoised ? film->denoised : film->radiance;
+}
+
 /* counts: [width x height] memory for the sample counts as floats, which hold them exactly. share: likewise, alpha. */
 static void save_channels(const stilb_gi_film *film, float *counts, const float *share,
                           stilb_image_channel channels[SAVE_CHANNELS])
 {
 	for (size_t i = 0; i < (size_t)film->width * film->height; i++)
 		counts[i] = (float)film->samples[i];
-	save_triple(channels, (const char *[]){"R", "G", "B"}, film->radiance);
+	save_triple(channels, (const char *[]){"R", "G", "B"}, save_radiance(film));
 	save_triple(channels + 3, (const char *[]){"albedo.R", "albedo.G", "albedo.B"}, film->albedo);
 	save_triple(channels + 6, (const char *[]){"normal.X", "normal.Y", "normal.Z"}, film->normal);
 	save_triple(channels + 9, (const char *[]){"variance.R", "variance.G", "variance.B"}, film->variance);
@@ -203,7 +209,7 @@ static stilb_result save_light(const gi_picture *picture, const char *path)
 	                     .height = film.height,
 	                     .channels = 3,
 	                     .format = STILB_IMAGE_F32_LINEAR,
-	                     .pixels = (float *)film.radiance}; /* is only read */
+	                     .pixels = (float *)save_radiance(&film)}; /* is only read */
 	save_attributes attributes;
 	save_settings(picture, false, &attributes);
 	return stilb_image_save_with(&image, path, attributes.list, attributes.count);
@@ -222,11 +228,16 @@ stilb_result gi_picture_save(const gi_picture *picture, const char *path)
 	return strcasecmp(dot, ".exr") == 0 ? save_layers(picture, path) : save_light(picture, path);
 }
 
-stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path)
+stilb_result stilb_gi_render_save(stilb_gi_render *render, const char *path)
 {
 	STILB_ASSERT(render && path);
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
+	if (render->view.settings.denoise && !render->film.denoised) {
+		stilb_result result = stilb_gi_render_denoise(render);
+		if (result != STILB_OK)
+			return result;
+	}
 	const stilb_gi_scene *scene = render->view.scene;
 	gi_picture picture = {.settings = &render->view.settings,
 	                      .film = &render->film,

@@ -7,7 +7,8 @@
 #define UNIT_LEAST 4u
 #define UNIT_MOST 16u
 
-static_assert(sizeof(gi_film_pixel) % 8 == 0 && sizeof(gi_film_weight) % 8 == 0, "results are whole numbers of words");
+static_assert(sizeof(gi_film_pixel) % 8 == 0 && sizeof(gi_film_weight) % 8 == 0 && sizeof(gi_film_half) % 8 == 0,
+              "results are whole numbers of words");
 
 /* The least n with 2^n >= count. */
 static uint32_t bits_for(uint32_t count)
@@ -80,7 +81,10 @@ uint64_t gi_unit_pixels(const gi_units *units, uint32_t first, uint32_t count)
 
 uint32_t gi_unit_size(const gi_units *units, const gi_film *film)
 {
-	return (uint32_t)(unit_pixels(units) * (sizeof *film->pixels + (film->weights ? sizeof *film->weights : 0)));
+	size_t pixel = sizeof *film->pixels;
+	pixel += film->weights ? sizeof *film->weights : 0;
+	pixel += film->halves ? sizeof *film->halves : 0;
+	return (uint32_t)(unit_pixels(units) * pixel);
 }
 
 void gi_unit_get(const gi_units *units, const gi_film *film, uint32_t unit, void *result)
@@ -88,12 +92,15 @@ void gi_unit_get(const gi_units *units, const gi_film *film, uint32_t unit, void
 	gi_unit_place place = gi_unit_place_of(units, unit);
 	gi_film_pixel *pixels = result;
 	gi_film_weight *weights = (gi_film_weight *)(pixels + unit_pixels(units));
+	gi_film_half *halves = (gi_film_half *)(weights + (film->weights ? unit_pixels(units) : 0));
 	memset(result, 0, gi_unit_size(units, film));
 	for (uint32_t row = 0; row < place.height; row++) {
 		size_t from = (size_t)(place.y + row) * film->width + place.x, to = (size_t)row * units->side;
 		memcpy(&pixels[to], &film->pixels[from], place.width * sizeof *pixels);
 		if (film->weights)
 			memcpy(&weights[to], &film->weights[from], place.width * sizeof *weights);
+		if (film->halves)
+			memcpy(&halves[to], &film->halves[from], place.width * sizeof *halves);
 	}
 }
 
@@ -115,6 +122,7 @@ bool gi_unit_set(const gi_units *units, gi_film *film, uint32_t unit, uint32_t l
 	gi_unit_place place = gi_unit_place_of(units, unit);
 	const gi_film_pixel *pixels = result;
 	const gi_film_weight *weights = (const gi_film_weight *)(pixels + unit_pixels(units));
+	const gi_film_half *halves = (const gi_film_half *)(weights + (film->weights ? unit_pixels(units) : 0));
 	for (uint32_t row = 0; row < place.height; row++)
 		for (uint32_t x = 0; x < place.width; x++) {
 			const gi_film_pixel *pixel = &pixels[(size_t)row * units->side + x];
@@ -126,6 +134,8 @@ bool gi_unit_set(const gi_units *units, gi_film *film, uint32_t unit, uint32_t l
 		memcpy(&film->pixels[to], &pixels[from], place.width * sizeof *pixels);
 		if (film->weights)
 			memcpy(&film->weights[to], &weights[from], place.width * sizeof *weights);
+		if (film->halves)
+			memcpy(&film->halves[to], &halves[from], place.width * sizeof *halves);
 		for (uint32_t x = 0; x < place.width; x++)
 			gi_film_resolve(film, to + x);
 	}

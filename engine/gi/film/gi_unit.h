@@ -32,7 +32,8 @@ gi_unit_place gi_unit_place_of(const gi_units *units, uint32_t unit);
 /* Pixels of so many units from `first` on. */
 uint64_t gi_unit_pixels(const gi_units *units, uint32_t first, uint32_t count);
 
-/* Bytes of a unit's result: its pixels' sums, row by row, and then their weights, each padded to a whole unit. */
+/* Bytes of a unit's result: its pixels' sums, row by row, then their weights and halves, each padded to a whole
+ * unit. */
 uint32_t gi_unit_size(const gi_units *units, const gi_film *film);
 
 void gi_unit_get(const gi_units *units, const gi_film *film, uint32_t unit, void *result);
