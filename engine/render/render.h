@@ -377,12 +377,15 @@ extern const char *const stilb_render_detail_names[];
 
 /* How a pixel finds the lights that reach it; all ways show the same picture. Lights that end somewhere are those whose
  * falloff is not PHYSICAL, but for DIRECTIONAL ones.
+ *   MULTIPASS surfaces that blend, those with layers, and those with a function of the program's are drawn once, as
+ *             FORWARD draws them. Source: Schueler, "Minimalist Cook-Torrance" (2011): up to eight lights a pass.
  *   DEFERRED  for pictures of one sample a pixel, and the first pass into a target; else as AUTO. What the images of
  *             surfaces cannot hold is drawn after them as AUTO draws it: surfaces that blend, those with layers, and
  *             those with a function of the program's. */
 #define STILB_RENDER_LIGHTINGS(X)                                                                                      \
 	X(AUTO, auto, "clustered if more than eight lights end somewhere, else forward")                                   \
 	X(FORWARD, forward, "each pixel asks every light of the scene")                                                    \
+	X(MULTIPASS, multipass, "surfaces are drawn again for every eight lights of the scene, and added")                 \
 	X(CLUSTERED, clustered, "the view is cut into cells, and a pixel asks the lights that reach its cell")             \
 	X(DEFERRED, deferred, "surfaces are drawn first, and lights ask the pixels that show them")
 
@@ -396,6 +399,8 @@ typedef enum stilb_render_lighting {
 extern const char *const stilb_render_lighting_names[];
 /* And their words for users. */
 extern const char *const stilb_render_lighting_words[];
+
+#define STILB_RENDER_LIGHTS_A_PASS 8u /* of MULTIPASS; more from 8,192 lights on, so that passes stay below 1,024 */
 
 /* Which pixels a light of deferred lighting asks. */
 #define STILB_RENDER_COVERAGES(X)                                                                                      \

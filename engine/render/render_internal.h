@@ -78,8 +78,9 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_LIGHTS_LISTS 8192u     /* lights that end somewhere are found by lists (render_lights.c) */
 #define RENDER_LIGHTS_GBUFFER 16384u  /* surfaces are drawn, and lights left to a later pass (render_deferred.c) */
 #define RENDER_LIGHTS_GBUFFER8 32768u /* besides _GBUFFER, and of the passes that light: surfaces are in 8 bits */
+#define RENDER_LIGHTS_ADDED 65536u    /* further lights are added to what has been drawn */
 /* From this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
-#define RENDER_LIGHTS_CHANNEL_SHIFT 16u
+#define RENDER_LIGHTS_CHANNEL_SHIFT 17u
 
 /* 1 + the stilb_scene_surface_channel that programs for these bits show; 0: light. */
 static inline uint32_t render_lights_channel(uint32_t bits)
@@ -495,6 +496,9 @@ static inline uint32_t render_view_tone(const stilb_render_view *view)
 }
 
 /* ---- device/render_deferred.c ---- */
+
+/* Of the programs that draw further lights of a view whose bits are light_bits; 0: it has none. */
+uint32_t render_added_bits(const stilb_render_view *view, uint32_t light_bits);
 
 /* True if the view's first pass into its target leaves lights to a later pass. */
 bool render_view_is_deferred(const render_device *device, const stilb_render_view *view);

@@ -41,9 +41,8 @@ uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_
 		bits |= 1u << light->kind;
 		bits |= light->falloff != STILB_SCENE_LIGHT_PHYSICAL ? RENDER_LIGHTS_END : 0;
 	}
-	uint32_t few = view->lighting == STILB_RENDER_LIGHTING_FORWARD     ? UINT32_MAX
-	               : view->lighting == STILB_RENDER_LIGHTING_CLUSTERED ? 0
-	                                                                   : LIGHTS_FEW;
+	bool all = view->lighting == STILB_RENDER_LIGHTING_FORWARD || view->lighting == STILB_RENDER_LIGHTING_MULTIPASS;
+	uint32_t few = all ? UINT32_MAX : view->lighting == STILB_RENDER_LIGHTING_CLUSTERED ? 0 : LIGHTS_FEW;
 	return bits | (ending > few ? RENDER_LIGHTS_LISTS : count == 1 ? RENDER_LIGHTS_ONE : 0);
 }
 

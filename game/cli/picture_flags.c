@@ -65,8 +65,9 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	};
 	const flag lighting[] = {
 		{"--lighting", FLAG_CHOICE, &p->lighting, "WAY",
-	     "how pixels find their lights, the same picture each way: auto, forward, clustered or deferred (auto)", 0, 0,
-	     stilb_render_lighting_names},
+	     "how pixels find their lights, the same picture each way: auto, forward, multipass, clustered or deferred "
+	     "(auto)",
+	     0, 0, stilb_render_lighting_names},
 		{"--light-coverage", FLAG_CHOICE, &p->coverage, "WAY",
 	     "of --lighting deferred, the pixels that a light asks: cells, screen or rectangles (cells)", 0, 0,
 	     stilb_render_coverage_names},

@@ -550,7 +550,7 @@ static const struct damage {
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x7fc00000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_VIEWS, VIEW(time), 0x7fc00000, "view 0: its time is not finite"},
 	{RENDER_DUMP_VIEWS, VIEW(lighting), STILB_RENDER_LIGHTING_WAYS,
-     "view 0: its time is not finite, or way 4 of lighting unknown"},
+     "view 0: its time is not finite, or way 5 of lighting unknown"},
 	{RENDER_DUMP_LIGHTS, 96, 6, "light 1: its kind is unknown"},
 	{RENDER_DUMP_LIGHTS, offsetof(render_dump_light, unused), 1, "light 0: its unused bytes are not zero"},
 	{RENDER_DUMP_LIGHTS, 96 + offsetof(render_dump_light, half_x), 0x40000000, "light 1: its sides and its direction"},

@@ -27,6 +27,14 @@ bool render_maps_are_deferred(uint64_t bits)
 	return !(bits & (RENDER_MAPS_BLEND | RENDER_MAPS_LAYERS | RENDER_MAPS_THROUGH)) && render_maps_function(bits) == 0;
 }
 
+uint32_t render_added_bits(const stilb_render_view *view, uint32_t light_bits)
+{
+	bool multipass = view->lighting == STILB_RENDER_LIGHTING_MULTIPASS && render_view_is_lit(view);
+	bool several = !(light_bits & RENDER_LIGHTS_ONE) && light_bits & ((1u << STILB_SCENE_LIGHT_KINDS) - 1);
+	uint32_t read = ~(RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_ONE);
+	return multipass && several ? (light_bits & read) | RENDER_LIGHTS_ADDED : 0;
+}
+
 static uint32_t deferred_narrow(const stilb_render_view *view)
 {
 	return view->deferred.gbuffer == STILB_RENDER_GBUFFER_RGBA8 ? RENDER_LIGHTS_GBUFFER8 : 0;

@@ -555,13 +555,15 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 			part.end = part.first;
 			through = false;
 		}
+		if (through && draws == FRAME_DRAWS_DEFERRED)
+			continue; /* none of these is */
 		if (through)
 			result = render_through_copy(device, stream, target);
 		if (result == STILB_OK)
 			result = frame_list(device, stream, part, draws, choice, &list);
 		if (result != STILB_OK)
 			return result;
-		if (draws == FRAME_DRAWS_OTHERS && device->draws[list].run_count == 0)
+		if (draws != FRAME_DRAWS_ALL && target->drawn && device->draws[list].run_count == 0)
 			continue;
 		stilb_gpu_pass row = frame_row(device, stream, list, "");
 		frame_attach(stream, target, backdrop, &row);
@@ -602,6 +604,38 @@ static stilb_result frame_velocity(render_device *device, const render_stream *s
 	row_constants(&row, push, sizeof *push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	return STILB_OK;
+}
+
+#define FRAME_MULTIPASS 1024u /* passes of a view's lights at most; then a pass has more of them */
+
+/* Adds the rows of a scene pass that is drawn again for further lights. choice: of the first ones. */
+static stilb_result frame_multipass(render_device *device, const render_stream *stream, render_formula_programs *choice,
+                                    render_frame_target *target, bool backdrop, const render_push *push)
+{
+	render_formula_programs *further;
+	uint32_t added = render_added_bits(stream->view, stream->lights.bits), surfaces = frame_surfaces(stream), list;
+	uint32_t count = stream->lights.count, each = (count + FRAME_MULTIPASS - 1) / FRAME_MULTIPASS;
+	each = each > STILB_RENDER_LIGHTS_A_PASS ? each : STILB_RENDER_LIGHTS_A_PASS;
+	render_push part = *push;
+	part.view.light_count = each;
+	stilb_result result = frame_rows(device, stream, FRAME_DRAWS_DEFERRED, choice, target, backdrop, &part);
+	if (result == STILB_OK)
+		result = render_programs_choose(device, &stream->view->shading, added, stream->kinds, surfaces, &further);
+	if (result == STILB_OK)
+		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_DEFERRED, further, &list);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass row = frame_row(device, stream, list, " further lights");
+	frame_attach(stream, target, backdrop, &row);
+	if (render_formulas_are_gloss(further))
+		frame_gloss(device, &row);
+	for (uint32_t first = each; first < count; first += each) {
+		part.view.lights = push->view.lights + first * sizeof(render_light);
+		part.view.light_count = count - first < each ? count - first : each;
+		row_constants(&row, &part, sizeof part);
+		stilb_gpu_plan_pass(device->plan, &row);
+	}
+	return frame_rows(device, stream, FRAME_DRAWS_OTHERS, choice, target, backdrop, push);
 }
 
 /* Adds the rows of a scene pass whose lights are deferred: its surfaces, the lights, and the draws that are lit at once.
@@ -656,6 +690,8 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 		result = frame_velocity(device, stream, target, &push);
 	if (result != STILB_OK)
 		return result;
+	if (stream->lights.count > STILB_RENDER_LIGHTS_A_PASS && render_added_bits(view, stream->lights.bits) != 0)
+		return frame_multipass(device, stream, choice, target, backdrop, &push);
 	return render_view_is_deferred(device, view) && !target->drawn
 	           ? frame_deferred(device, stream, choice, target, backdrop, &push)
 	           : frame_rows(device, stream, FRAME_DRAWS_ALL, choice, target, backdrop, &push);

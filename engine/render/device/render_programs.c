@@ -92,6 +92,16 @@ static void program_channel(stilb_gpu_program_desc *desc, uint32_t channel)
 	desc->blend = counts ? STILB_GPU_BLEND_ADD : STILB_GPU_BLEND_NONE;
 }
 
+/* How programs of further lights differ: they add to what is drawn already, where it is seen. */
+static void program_added(stilb_gpu_program_desc *desc, const render_formula_programs *choice)
+{
+	if (!(choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_ADDED))
+		return;
+	desc->depth = STILB_GPU_COMPARE_GREATER_EQUAL;
+	desc->depth_write = false;
+	desc->blend = STILB_GPU_BLEND_ADD;
+}
+
 /* The shader of draws into depth, which without velocities most need not. */
 static stilb_gpu_shader program_depth_code(uint32_t detail, render_surface surface, bool velocity)
 {
@@ -129,6 +139,7 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 		.depth_write = true,
 		.cull_back = !sides && surface != RENDER_SURFACE_IMPOSTOR,
 	};
+	program_added(&desc, choice);
 	if (render_formulas_are_gbuffer(choice))
 		desc.fragment = render_gbuffer_mesh_fragment[gloss][surface];
 	if (channel > 0) {
@@ -185,6 +196,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 		.blend = blends ? STILB_GPU_BLEND_PREMULTIPLIED : STILB_GPU_BLEND_NONE,
 		.cull_back = !sides || bits & RENDER_MAPS_ONE_SIDED,
 	};
+	program_added(&desc, choice);
 	if (render_formulas_are_gbuffer(choice))
 		desc.fragment = render_gbuffer_maps_fragment[gloss][extras];
 	if (channel > 0) {
@@ -503,6 +515,12 @@ static stilb_result prepare_maps(render_device *device, render_formula_programs 
 	return result;
 }
 
+/* True if only surfaces of render_maps_are_deferred are drawn with them. */
+static bool formulas_are_of_some(const render_formula_programs *choice)
+{
+	return choice->formulas[RENDER_FORMULA_LIGHTS] & (RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_ADDED);
+}
+
 /* Makes the programs of all kinds of maps that draws of the view may have, on meshes with extras and without. */
 static stilb_result prepare_all_maps(render_device *device, const stilb_render_view *view,
                                      render_formula_programs *choice, uint32_t kinds, const render_known_maps *maps)
@@ -512,8 +530,7 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 	for (uint32_t m = 0; m < 2 * maps->count && result == STILB_OK; m++) {
 		bool extras = m % 2 == 1;
 		uint64_t bits = render_maps_program_bits(maps->bits[m / 2], extras, view->both_sides, depth);
-		if (!(extras ? maps->extras : maps->plain) ||
-		    (render_formulas_are_gbuffer(choice) && !render_maps_are_deferred(bits)))
+		if (!(extras ? maps->extras : maps->plain) || (formulas_are_of_some(choice) && !render_maps_are_deferred(bits)))
 			continue;
 		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
 			result = prepare_maps(device, choice, kinds, bits);
@@ -542,7 +559,7 @@ static stilb_result prepare_deferred(render_device *device, const stilb_render_v
 stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits,
                                    const render_known_maps *maps)
 {
-	render_formula_programs *choice;
+	render_formula_programs *choice, *further;
 	uint32_t kinds = render_view_kinds(view), surfaces = 1u << RENDER_SURFACE_PLAIN | 1u << RENDER_SURFACE_TEXTURE;
 	bool drawn = view->impostors && view->detail.mode != STILB_RENDER_DETAIL_OFF;
 	if (drawn && view->show != STILB_RENDER_SHOW_LEVELS && view->detail.mode != STILB_RENDER_DETAIL_POP)
@@ -555,6 +572,11 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		result = render_programs_velocity(device);
 	if (result == STILB_OK && render_view_is_deferred(device, view) && !render_formulas_are_depth(choice))
 		result = prepare_deferred(device, view, choice, kinds, surfaces, maps);
+	uint32_t added = render_added_bits(view, light_bits);
+	if (result == STILB_OK && added != 0)
+		result = render_programs_choose(device, &view->shading, added, kinds, surfaces, &further);
+	if (result == STILB_OK && added != 0)
+		result = prepare_all_maps(device, view, further, kinds, maps);
 	if (result != STILB_OK || render_formulas_are_depth(choice))
 		return result;
 	/* Of surroundings with a panorama sky and ground are shown until that is made. */

@@ -177,6 +177,7 @@ static void all_ways(field *f, const char *what)
 	stilb_image forward = field_picture(f, STILB_RENDER_LIGHTING_FORWARD, 1);
 	stilb_image clustered = field_picture(f, STILB_RENDER_LIGHTING_CLUSTERED, 1);
 	stilb_image by_itself = field_picture(f, STILB_RENDER_LIGHTING_AUTO, 1);
+	stilb_image multipass = field_picture(f, STILB_RENDER_LIGHTING_MULTIPASS, 1);
 	uint32_t lit = 0;
 	for (uint32_t y = 0; y < HEIGHT; y++)
 		for (uint32_t x = 0; x < WIDTH; x++)
@@ -185,6 +186,8 @@ static void all_ways(field *f, const char *what)
 		fail_msg("%s: %u pixels are lit", what, lit);
 	assert_same_bits(what, &forward, &clustered);
 	assert_same_bits(what, &forward, &by_itself);
+	assert_near_deferred(what, &forward, &multipass, DEFERRED_ADDED); /* rounded nine times */
+	stilb_image_finish(&multipass);
 	all_coverages(f, what, &forward);
 	stilb_image_finish(&forward);
 	stilb_image_finish(&clustered);
@@ -280,6 +283,9 @@ static void two_passes(void **state)
 		f.view.target = other ? &f.target : NULL;
 		stilb_image forward = field_picture(&f, STILB_RENDER_LIGHTING_FORWARD, 2);
 		stilb_image clustered = field_picture(&f, STILB_RENDER_LIGHTING_CLUSTERED, 2);
+		stilb_image multipass = field_picture(&f, STILB_RENDER_LIGHTING_MULTIPASS, 2);
+		assert_near_deferred("two passes", &forward, &multipass, DEFERRED_ADDED);
+		stilb_image_finish(&multipass);
 		stilb_image deferred = field_picture(&f, STILB_RENDER_LIGHTING_DEFERRED, 2);
 		assert_same_bits("two passes", &forward, &clustered);
 		assert_deferred("two passes", &forward, &deferred);
@@ -369,6 +375,7 @@ static void surfaces_of_every_kind(void **state)
 	}
 	assert_same_bits("surfaces", &pictures[STILB_RENDER_LIGHTING_FORWARD], &pictures[STILB_RENDER_LIGHTING_CLUSTERED]);
 	assert_deferred("surfaces", &pictures[STILB_RENDER_LIGHTING_FORWARD], &pictures[STILB_RENDER_LIGHTING_DEFERRED]);
+	assert_deferred("surfaces", &pictures[STILB_RENDER_LIGHTING_FORWARD], &pictures[STILB_RENDER_LIGHTING_MULTIPASS]);
 	for (int way = 0; way < STILB_RENDER_LIGHTING_WAYS; way++)
 		stilb_image_finish(&pictures[way]);
 	stage_close(&s);
@@ -414,6 +421,8 @@ static void an_impostor(void **state)
 	}
 	assert_same_bits("impostor", &pictures[STILB_RENDER_LIGHTING_FORWARD], &pictures[STILB_RENDER_LIGHTING_CLUSTERED]);
 	assert_deferred("impostor", &pictures[STILB_RENDER_LIGHTING_FORWARD], &pictures[STILB_RENDER_LIGHTING_DEFERRED]);
+	assert_near_deferred("impostor", &pictures[STILB_RENDER_LIGHTING_FORWARD],
+	                     &pictures[STILB_RENDER_LIGHTING_MULTIPASS], DEFERRED_ADDED);
 	for (int way = 0; way < STILB_RENDER_LIGHTING_WAYS; way++)
 		stilb_image_finish(&pictures[way]);
 	field_close(&f);
