@@ -19,16 +19,6 @@ const light_kernels *light_kernels_for(stilb_isa isa)
 	return &light_kernels_scalar;
 }
 
-void light_spread(light_build *build, uint32_t count, stilb_job_range_fn *fn)
-{
-	const light_view *view = &build->scratch->view;
-	uint64_t work = ((uint64_t)build->count + LIGHT_CELLS_WORK) * light_bands(view) * view->slices;
-	if (build->pool && work >= build->scratch->serial_below)
-		stilb_job_parallel_for(build->pool, count, 1, fn, build, build->worker);
-	else
-		fn(0, count, 0, build);
-}
-
 /* Makes room for `count` elements of which the array holds none. What is more than half as large again is given back.
  * */
 static bool lists_reserve(uint32_t **array, uint32_t *capacity, uint64_t count)

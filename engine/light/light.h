@@ -59,7 +59,8 @@ typedef struct stilb_light_lists {
 	/* Depth of a point p: dot(depth_plane, (p, 1)), metres along the view, from the eye; of an orthographic view from
 	 * the near plane. */
 	float depth_plane[4];
-	float slice_scale, slice_bias; /* slice: clamp(floor(log2(depth) * slice_scale + slice_bias), 0, slices - 1) */
+	float slice_scale, slice_bias; /* slice: clamp(floor(log2(max(depth, 1e-30)) * slice_scale + slice_bias), 0,
+	                                  slices - 1) */
 	uint32_t left_out; /* pairs of light and cell that only the tolerance left out; UINT32_MAX: so many or more */
 	struct light_scratch *scratch;
 } stilb_light_lists;

@@ -2,14 +2,13 @@
 #include "light/light_internal.h"
 #include "shading/shade_light.h"
 
-#include <float.h>
 #include <math.h>
 
-#define REACH_MIN 1e-4         /* metres: root of SHADE_LIGHT_SQUARE_MIN */
-#define REACH_MAX 1e18         /* metres: beyond it a light counts as reaching everywhere */
-#define REACH_GROWTH 0x1p-18   /* share: what a GPU may round a distance or a falloff by */
-#define COSINE_GROWTH 1e-5     /* the same of a cosine */
-#define RIGHT_ANGLE 0.70710678 /* cosine of 45 degrees */
+#define REACH_MIN 1e-4       /* metres: root of SHADE_LIGHT_SQUARE_MIN */
+#define REACH_MAX 1e18       /* metres: beyond it a light counts as reaching everywhere */
+#define REACH_GROWTH 0x1p-18 /* share: what a GPU may round a distance or a falloff by */
+#define COSINE_GROWTH 1e-5   /* the same of a cosine */
+#define COSINE_45 0.70710678 /* of 45 degrees */
 
 static double dot3(const float a[3], const float b[3])
 {
@@ -62,7 +61,7 @@ double light_reach(const stilb_scene_light *light, double irradiance)
 static void bounds_shorten(stilb_light_bounds *bounds, const double apex[3], const double axis[3], double cosine,
                            double end)
 {
-	bool narrow = cosine > RIGHT_ANGLE;
+	bool narrow = cosine > COSINE_45;
 	double along = narrow ? end / (2.0 * cosine) : end * cosine;
 	double radius = narrow ? along : end * sqrt(1.0 - cosine * cosine);
 	double center[3];

@@ -39,7 +39,7 @@ typedef struct light_view {
 	light_four functions[4]; /* clip and depth, by their factors of p[0], p[1], p[2] and 1 */
 	light_four sides[4];     /* distances from the four sides, metres, positive inside, likewise */
 	double base[3];          /* of rays */
-	double growth;  /* of a light's radius by what is added to it for rounding, a share of `reach` + its place */
+	double growth;  /* sum of the sizes of a plane's two terms, for a point one metre away: rounding grows with it */
 	double reach;   /* metres: how far the planes are from the origin */
 	float along[3]; /* change of clip x, y and w for one metre along the view */
 	light_columns column_planes;

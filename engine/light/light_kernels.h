@@ -24,8 +24,8 @@
 #define LIGHT_TANGENT_GROWTH 0x1p-17f /* of a tangent, for rounding: a share of its terms */
 #define LIGHT_COLUMN_GROWTH 1e-3f     /* of a span, for rounding: columns */
 #define LIGHT_ACROSS_MIN 1e-20f       /* metres: keeps a quotient finite */
-#define LIGHT_DENSE 32u               /* share of a row's tests that are pairs, above which they are made one by one */
-#define LIGHT_WITH_CONE 0x80000000u   /* flag of a light's number: it has a cone */
+#define LIGHT_DENSE 32u /* lights times columns of a row, over its pairs, up to which it is filled by columns */
+#define LIGHT_WITH_CONE 0x80000000u /* flag of a light's number: it has a cone */
 
 /* Planes between columns or rows. */
 typedef struct light_planes {

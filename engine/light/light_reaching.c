@@ -10,6 +10,16 @@
 #define LIGHT_QUICK_GROWTH 1.00001  /* of a reach: more than light_bounds_within adds, but for what a place needs */
 #define HALF_SPACE_PULL 2e-5        /* share of the radius: more than cosines of flat lights are below 0 */
 
+void light_spread(light_build *build, uint32_t count, stilb_job_range_fn *fn)
+{
+	const light_view *view = &build->scratch->view;
+	uint64_t work = ((uint64_t)build->count + LIGHT_CELLS_WORK) * light_bands(view) * view->slices;
+	if (build->pool && work >= build->scratch->serial_below)
+		stilb_job_parallel_for(build->pool, count, 1, fn, build, build->worker);
+	else
+		fn(0, count, 0, build);
+}
+
 void light_reaching_finish(light_reaching *r)
 {
 	free(r->x);
