@@ -285,8 +285,9 @@ uint32_t gi_light_tree_choose(const gi_light_tree *tree, stilb_vec3 position, st
 		float sum = weigh(tree, node, position, normal, &weights), rest = u * sum;
 		if (!(sum > 0.0f))
 			return GI_LIGHT_LEAF;
-		uint32_t child = 8 * pick(weights.eights, (node->child_count + 7) / 8, &rest);
-		child += pick(&weights.each[child], 8, &rest);
+		uint32_t child = node->child_count > 8 ? 8 * pick(weights.eights, (node->child_count + 7) / 8, &rest) : 0;
+		uint32_t left = node->child_count - child;
+		child += pick(&weights.each[child], left < 8 ? left : 8, &rest);
 		chance *= weights.each[child] / sum;
 		u = rest / weights.each[child]; /* may be 1 or more, by rounding */
 		u = u < BELOW_ONE ? u : BELOW_ONE;
