@@ -34,7 +34,8 @@ static const bench_metric choice_metrics[] = {{"tree-rmse", "of mean", true, NUL
                                               {"ideal-rmse", "of mean", true, NULL},
                                               {"slower", "x", true, NULL},
                                               {"ratio", "x", true, NULL},
-                                              {"ratio-ideal", "x", true, NULL}};
+                                              {"ratio-ideal", "x", true, NULL},
+                                              {"ratio-ideal-time", "x", true, NULL}};
 static const bench_metric row_metrics[] = {{"stilb", "1/s", false, NULL},
                                            {"plain", "1/s", false, NULL},
                                            {"ratio", "x", false, NULL},
@@ -101,6 +102,7 @@ static const goal goals[] = {
 	{"sobol", "ratio", "samples/s, Owen-scrambled Sobol / independent numbers", 0.95, false},
 	{"choice", "ratio", "RMSE at equal time, light tree / uniform choice", 0.5, true},
 	{"choice", "ratio-ideal", "RMSE at equal samples, light tree / ideal choice", 1.1, true},
+	{"choice", "ratio-ideal-time", "RMSE at equal time, light tree / ideal choice, 64 samples a point", 1.1, true},
 	{"cache-time", "seconds", "seconds (Radiance's rpict: 25.4 on another machine)", 1.3, true},
 	{"cache-time", "rmse", "RMSE", .01117, true},
 	{"cache-time", "bias", "bias, %", 0.3, true},

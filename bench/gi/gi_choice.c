@@ -157,6 +157,8 @@ void gi_run_choice(const bench_child *child)
 	bench_child_metric("slower", slower);
 	bench_child_metric("ratio", sqrt(variance[CHOICE_TREE] / variance[CHOICE_UNIFORM] * slower));
 	bench_child_metric("ratio-ideal", sqrt(variance[CHOICE_TREE] / variance[CHOICE_IDEAL]));
+	double faster = seconds[CHOICE_IDEAL] / seconds[CHOICE_TREE];
+	bench_child_metric("ratio-ideal-time", sqrt(variance[CHOICE_TREE] / variance[CHOICE_IDEAL] / faster));
 	free(points);
 	gi_run_world_finish(&world);
 }

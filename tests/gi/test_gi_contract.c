@@ -168,7 +168,7 @@ static void samples(void **state)
 	                                   stilb_vec3_make(0.0f, 1.0f, 0.0f), 1.0f, (stilb_vec2){0.5f, 0.5f}, &light));
 	contract_breaks("light < lights->emitter_count",
 	                gi_light_pdf(&fixture.gi->lights, (stilb_vec3){0}, (stilb_vec3){0}, 1000, 1.0f));
-	contract_breaks("leaf_count >= 1", (gi_light_tree_build(NULL, NULL, 0), 0));
+	contract_breaks("leaf_count >= 1", (gi_light_tree_build(NULL, 0, NULL), 0));
 }
 
 static bool insert_without_radius(void)

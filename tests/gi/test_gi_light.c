@@ -422,7 +422,7 @@ static void tree_chooses_with_its_probabilities(void **state)
 	assert_int_equal(lights.shape_count, BUSY_TRIANGLES - 1);
 	assert_int_equal(lights.placed_count, BUSY_TRIANGLES - 1 + 2);
 	shade_proof_random random = {.seed = 5};
-	uint32_t nodes = lights.node_count;
+	uint32_t nodes = lights.tree.node_count;
 	double found = 0.0;
 	for (int trial = 0; trial < 40; trial++) {
 		stilb_vec3 position = vec(shade_proof_range(&random, -6.0f, 6.0f), shade_proof_range(&random, -6.0f, 6.0f),
@@ -431,12 +431,12 @@ static void tree_chooses_with_its_probabilities(void **state)
 			shade_sample_sphere((stilb_vec2){shade_proof_uniform(&random), shade_proof_uniform(&random)}).direction;
 		double sum = 0.0;
 		for (uint32_t i = 0; i < nodes; i++) {
-			if (lights.nodes[i].child != GI_LIGHT_LEAF)
+			if (lights.tree.nodes[i].child != GI_LIGHT_LEAF)
 				continue;
-			float chance = gi_light_tree_probability(lights.nodes, position, normal, i);
+			float chance = gi_light_tree_probability(&lights.tree, position, normal, i);
 			sum += (double)chance;
 			gi_light_sample sample;
-			uint32_t light = lights.nodes[i].light;
+			uint32_t light = lights.tree.nodes[i].light;
 			bool lit = light < lights.shape_count &&
 			           gi_light_shape_sample(&lights.shapes[light], position, (stilb_vec2){0.3f, 0.6f}, &sample) &&
 			           stilb_vec3_dot(normal, sample.direction) > 0.0f;
@@ -448,18 +448,56 @@ static void tree_chooses_with_its_probabilities(void **state)
 		for (uint32_t i = 0; i < 4096; i++) {
 			float probability;
 			uint32_t leaf =
-				gi_light_tree_choose(lights.nodes, position, normal, ((float)i + 0.5f) / 4096.0f, &probability);
+				gi_light_tree_choose(&lights.tree, position, normal, ((float)i + 0.5f) / 4096.0f, &probability);
 			if (leaf == GI_LIGHT_LEAF)
 				continue;
 			chosen[leaf]++;
-			SHADE_PROOF_NEAR(gi_light_tree_probability(lights.nodes, position, normal, leaf), probability, 1e-5, 0.0);
+			SHADE_PROOF_NEAR(gi_light_tree_probability(&lights.tree, position, normal, leaf), probability, 1e-5, 0.0);
 		}
 		for (uint32_t i = 0; i < nodes; i++)
-			if (lights.nodes[i].child == GI_LIGHT_LEAF)
-				SHADE_PROOF_NEAR(chosen[i] / 4096.0, gi_light_tree_probability(lights.nodes, position, normal, i), 0.0,
+			if (lights.tree.nodes[i].child == GI_LIGHT_LEAF)
+				SHADE_PROOF_NEAR(chosen[i] / 4096.0, gi_light_tree_probability(&lights.tree, position, normal, i), 0.0,
 				                 3.0 / 4096.0);
 	}
 	assert_true(found > 0.9 * 40);
+	gi_lights_destroy(&lights);
+}
+
+/* Every instruction set weighs a node's children with the same bits. */
+static void children_weigh_the_same_everywhere(void **state)
+{
+	(void)state;
+	gi_emitter emitters[BUSY_TRIANGLES];
+	gi_lights lights = busy_lights(emitters);
+	shade_proof_random random = {.seed = 6};
+	uint32_t weighed = 0;
+	for (uint32_t trial = 0; trial < 400; trial++) {
+		stilb_vec3 position = vec(shade_proof_range(&random, -6.0f, 6.0f), shade_proof_range(&random, -6.0f, 6.0f),
+		                          shade_proof_range(&random, -6.0f, 6.0f));
+		stilb_vec3 normal =
+			shade_sample_sphere((stilb_vec2){shade_proof_uniform(&random), shade_proof_uniform(&random)}).direction;
+		const gi_light_node *node = &lights.tree.nodes[trial % lights.tree.node_count];
+		if (node->child == GI_LIGHT_LEAF)
+			node = &lights.tree.nodes[0];
+		uint32_t eights = (node->child_count + 7) / 8;
+		gi_light_weights scalar = {{0.0f}, {0.0f}}, wide = scalar;
+		const gi_light_eight *children = &lights.tree.eights[node->eight];
+		gi_light_weigh_scalar(children, eights, position, normal, &scalar);
+#if defined(__x86_64__)
+		if (stilb_cpu_widest_isa() >= STILB_ISA_AVX2)
+			gi_light_weigh_avx2(children, eights, position, normal, &wide);
+		else
+			wide = scalar;
+#else
+		wide = scalar;
+#endif
+		assert_memory_equal(&scalar, &wide, sizeof wide);
+		for (uint32_t i = node->child_count; i < 8 * eights; i++)
+			assert_true(scalar.each[i] == 0.0f);
+		for (uint32_t i = 0; i < node->child_count; i++)
+			weighed += scalar.each[i] > 0.0f;
+	}
+	assert_true(weighed > 400);
 	gi_lights_destroy(&lights);
 }
 
@@ -469,14 +507,14 @@ static void nodes_hold_their_children(void **state)
 	(void)state;
 	gi_emitter emitters[BUSY_TRIANGLES];
 	gi_lights lights = busy_lights(emitters);
-	for (uint32_t i = 0; i < lights.node_count; i++) {
-		const gi_light_node *node = &lights.nodes[i];
+	for (uint32_t i = 0; i < lights.tree.node_count; i++) {
+		const gi_light_node *node = &lights.tree.nodes[i];
 		if (node->child == GI_LIGHT_LEAF)
 			continue;
 		float sum[3] = {0.0f}, lamps = 0.0f, power = 0.0f;
 		assert_in_range(node->child_count, 2, GI_LIGHT_CHILDREN);
 		for (uint32_t c = node->child; c < node->child + node->child_count; c++) {
-			const gi_light_node *child = &lights.nodes[c];
+			const gi_light_node *child = &lights.tree.nodes[c];
 			assert_int_equal(child->parent, i);
 			for (int k = 0; k < 3; k++)
 				assert_true(child->low[k] >= node->low[k] && child->high[k] <= node->high[k]);
@@ -965,11 +1003,11 @@ static void no_memory_is_an_error(void **state)
 	do {
 		allocations_left = failures;
 		result = gi_lights_create(&scene, &emitter, 1, &lights);
-		assert_true(result == STILB_OK || (result == STILB_ERROR_MEMORY && !lights.environment && !lights.nodes));
+		assert_true(result == STILB_OK || (result == STILB_ERROR_MEMORY && !lights.environment && !lights.tree.nodes));
 		failures += result != STILB_OK;
 	} while (result != STILB_OK);
 	allocations_left = -1;
-	assert_int_equal(failures, 13);
+	assert_int_equal(failures, 14);
 	gi_lights_destroy(&lights);
 	stilb_image_finish(&scene.surroundings.panorama);
 }
@@ -1037,6 +1075,7 @@ int main(void)
 		cmocka_unit_test(form_factors_of_disks_and_reciprocity),
 		cmocka_unit_test(density_of_a_sample_is_that_of_its_direction),
 		cmocka_unit_test(tree_chooses_with_its_probabilities),
+		cmocka_unit_test(children_weigh_the_same_everywhere),
 		cmocka_unit_test(nodes_hold_their_children),
 		cmocka_unit_test(lights_add_up),
 		cmocka_unit_test(samples_fill_solid_angles_evenly),

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SUN_FACING_MIN 0.02f /* least cosine at the surface, for choosing; the same as FACING_MIN of gi_light_tree.c */
+#define SUN_FACING_MIN 0.02f /* least cosine at the surface, for choosing; the same as FACING_MIN of gi_light_lanes.h */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
@@ -62,8 +62,8 @@ static gi_light_node shape_node(const gi_light_shape *shape)
 }
 
 /* Shapes and lights with a position become leaves of the tree, numbered shapes first; directional lights are listed
- * apart. */
-static void make_choice(gi_lights *lights, gi_light_node *leaves)
+ * apart. False: no memory. */
+static bool make_choice(gi_lights *lights, gi_light_node *leaves)
 {
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < lights->shape_count; i++) {
@@ -84,11 +84,13 @@ static void make_choice(gi_lights *lights, gi_light_node *leaves)
 	for (uint32_t i = 0; i < lights->shape_count; i++)
 		lights->leaf_of[i] = GI_LIGHT_LEAF;
 	if (count == 0)
-		return;
-	lights->node_count = gi_light_tree_build(lights->nodes, leaves, count);
-	for (uint32_t i = 0; i < lights->node_count; i++)
-		if (lights->nodes[i].child == GI_LIGHT_LEAF && lights->nodes[i].light < lights->shape_count)
-			lights->leaf_of[lights->nodes[i].light] = i;
+		return true;
+	if (!gi_light_tree_build(leaves, count, &lights->tree))
+		return false;
+	for (uint32_t i = 0; i < lights->tree.node_count; i++)
+		if (lights->tree.nodes[i].child == GI_LIGHT_LEAF && lights->tree.nodes[i].light < lights->shape_count)
+			lights->leaf_of[lights->tree.nodes[i].light] = i;
+	return true;
 }
 
 /* Every emitter has a shape, every leaf of the tree stands for the light that refers to it, every distant light exists.
@@ -100,7 +102,7 @@ static bool lights_are_sound(const gi_lights *lights)
 			return false;
 	for (uint32_t i = 0; i < lights->shape_count; i++) {
 		uint32_t leaf = lights->leaf_of[i];
-		if (leaf != GI_LIGHT_LEAF && (leaf >= lights->node_count || lights->nodes[leaf].light != i))
+		if (leaf != GI_LIGHT_LEAF && (leaf >= lights->tree.node_count || lights->tree.nodes[leaf].light != i))
 			return false;
 	}
 	for (uint32_t i = 0; i < lights->sun_count; i++)
@@ -126,12 +128,14 @@ static stilb_result lights_fill(const stilb_scene *scene, const gi_emitter *emit
 	lights->shapes = stilb_memory_alloc(emitter_count, sizeof *lights->shapes);
 	lights->shape_of = stilb_memory_alloc(emitter_count, sizeof *lights->shape_of);
 	lights->leaf_of = stilb_memory_alloc(emitter_count, sizeof *lights->leaf_of);
-	lights->nodes = stilb_memory_alloc(2 * placed, sizeof *lights->nodes);
-	if (leaves && lights->listed && lights->suns && lights->glows && lights->shapes && lights->shape_of &&
-	    lights->leaf_of && lights->nodes) {
+	bool filled = leaves && lights->listed && lights->suns && lights->glows && lights->shapes && lights->shape_of &&
+	              lights->leaf_of;
+	if (filled) {
 		copy_listed(scene, faces, lights);
 		make_shapes(emitters, emitter_count, lights);
-		make_choice(lights, leaves);
+		filled = make_choice(lights, leaves);
+	}
+	if (filled) {
 		STILB_CHECK(lights_are_sound(lights));
 	} else {
 		gi_lights_destroy(lights);
@@ -171,7 +175,7 @@ void gi_lights_destroy(gi_lights *lights)
 	free(lights->shapes);
 	free(lights->shape_of);
 	free(lights->leaf_of);
-	free(lights->nodes);
+	gi_light_tree_finish(&lights->tree);
 	*lights = (gi_lights){0};
 }
 
@@ -211,10 +215,10 @@ static bool sample_placed(const gi_lights *lights, stilb_vec3 position, stilb_ve
                           gi_light_sample *sample)
 {
 	float probability;
-	uint32_t leaf = gi_light_tree_choose(lights->nodes, position, normal, u_choice, &probability);
+	uint32_t leaf = gi_light_tree_choose(&lights->tree, position, normal, u_choice, &probability);
 	if (leaf == GI_LIGHT_LEAF)
 		return false;
-	uint32_t light = lights->nodes[leaf].light;
+	uint32_t light = lights->tree.nodes[leaf].light;
 	bool found = light < lights->shape_count
 	                 ? gi_light_shape_sample(&lights->shapes[light], position, u, sample)
 	                 : gi_light_listed_sample(&lights->listed[light - lights->shape_count], position, u, sample);
@@ -257,7 +261,7 @@ float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 norm
 	if (lights->leaf_of[shape] == GI_LIGHT_LEAF)
 		return 0.0f;
 	return gi_light_shape_density(&lights->shapes[shape], position, distance) *
-	       gi_light_tree_probability(lights->nodes, position, normal, lights->leaf_of[shape]);
+	       gi_light_tree_probability(&lights->tree, position, normal, lights->leaf_of[shape]);
 }
 
 float gi_environment_pdf(const gi_lights *lights, stilb_vec3 normal, stilb_vec3 direction, bool all)

@@ -13,6 +13,7 @@
 #include "base/base.h"
 #include "base/base_math.h"
 #include "gi/light/gi_glow.h"
+#include "gi/light/gi_light_tree.h"
 #include "scene/scene.h"
 
 /* An emitting triangle in world space; it emits from its front. */
@@ -36,10 +37,9 @@ typedef struct gi_lights {
 	uint32_t *shape_of;             /* [emitter_count] index in shapes of each emitting triangle's shape */
 	struct gi_light_listed *listed; /* the lights of the scene's list that shine and have no face */
 	uint32_t listed_count;
-	struct gi_light_node *nodes; /* tree of the lights that have a position: gi_light_tree.h */
-	uint32_t node_count;
+	gi_light_tree tree;    /* of the lights that have a position */
 	uint32_t placed_count; /* lights that have a position: the tree's leaves */
-	uint32_t *leaf_of;     /* [shape_count] index in nodes */
+	uint32_t *leaf_of;     /* [shape_count] index in tree.nodes */
 	uint32_t *suns;        /* indices in listed of directional lights */
 	uint32_t sun_count;
 	struct gi_environment *environment; /* never NULL; black if there are no surroundings */

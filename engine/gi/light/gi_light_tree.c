@@ -3,59 +3,13 @@
 #include "gi/gi_vector.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-/* Least cosine at the lit surface that importance assumes: the triangle may face the light although a bump-mapped or
- * interpolated normal does not. */
-#define FACING_MIN 0.02f
-/* Least importance of a node, as a share of the largest that it could be: a mean over its surfaces may be near 0
- * although a single light shines. */
-#define MEAN_MIN 0.02f
 /* So many upper levels of the tree are split in the middle of the range of the lights' centres; those below, where that
  * has not separated them, into halves of equal number. */
 #define MIDDLES_UNTIL 48u
 #define BELOW_ONE 0.99999994f /* the largest float below 1 */
-
-/* ---- importance -------------------------------------------------------------------------------------------------- */
-
-static float at_least(float x, float least)
-{
-	return x > least ? x : least;
-}
-
-/* Cosine of max(a - b, 0) for angles in [0, pi]. */
-static float cosine_less(float cos_a, float sin_a, float cos_b, float sin_b)
-{
-	return cos_a > cos_b ? 1.0f : cos_a * cos_b + sin_a * sin_b;
-}
-
-/* Sine of max(a - b, 0). */
-static float sine_less(float cos_a, float sin_a, float cos_b, float sin_b)
-{
-	return cos_a > cos_b ? 0.0f : sin_a * cos_b - cos_a * sin_b;
-}
-
-float gi_light_node_importance(const gi_light_node *node, stilb_vec3 position, stilb_vec3 normal)
-{
-	stilb_vec3 to_node = gi_vector(node->center) - position;
-	float distance2 = stilb_vec3_dot(to_node, to_node);
-	if (!(distance2 > node->radius2)) /* inside the sphere light may come from any side: no cosine is known */
-		return node->power / at_least(node->radius2, 1e-30f);
-	float inverse = 1.0f / distance2, scale = sqrtf(inverse);
-	float sin2_box = node->radius2 * inverse, cos_box = sqrtf(1.0f - sin2_box), sin_box = sqrtf(sin2_box);
-	float from_axis = -scale * stilb_vec3_dot(gi_vector(node->axis), to_node), sin_axis = gi_sine(from_axis);
-	float beyond_cone = cosine_less(from_axis, sin_axis, node->cos_cone, node->sin_cone);
-	float sin_beyond = sine_less(from_axis, sin_axis, node->cos_cone, node->sin_cone);
-	float emitted = cosine_less(beyond_cone, sin_beyond, cos_box, sin_box);
-	if (!(emitted > node->cos_beam))
-		return 0.0f;
-	float from_normal = scale * stilb_vec3_dot(normal, to_node);
-	float facing = cosine_less(from_normal, gi_sine(from_normal), cos_box, sin_box);
-	float most = node->power * at_least(emitted, FACING_MIN);
-	float mean = at_least(-scale * stilb_vec3_dot(gi_vector(node->sum), to_node), 0.0f) + node->spread;
-	float sent = mean + (most - mean) * sin2_box;
-	return at_least(sent, MEAN_MIN * most) * at_least(facing, FACING_MIN) * inverse;
-}
 
 /* ---- building ---------------------------------------------------------------------------------------------------- */
 
@@ -91,7 +45,7 @@ static void finish(gi_light_node *node)
 {
 	stilb_vec3 sum = gi_vector(node->sum);
 	float rest = node->power - node->lamps - sqrtf(stilb_vec3_dot(sum, sum));
-	node->spread = node->lamps + 0.25f * at_least(rest, 0.0f);
+	node->spread = node->lamps + 0.25f * fmaxf(rest, 0.0f);
 	stilb_vec3 half = (gi_vector(node->high) - gi_vector(node->low)) * 0.5f, center = gi_vector(node->low) + half;
 	for (int i = 0; i < 3; i++)
 		node->center[i] = center[i];
@@ -222,70 +176,138 @@ static bool tree_is_sound(const gi_light_node *nodes, uint32_t count)
 	return true;
 }
 
-uint32_t gi_light_tree_build(gi_light_node *nodes, gi_light_node *leaves, uint32_t leaf_count)
+/* Copies what importance reads of a node to a lane. */
+static void pack(const gi_light_node *node, gi_light_eight *eights, uint32_t lane)
+{
+	for (int i = 0; i < 3; i++) {
+		eights->center[i][lane] = node->center[i];
+		eights->axis[i][lane] = node->axis[i];
+		eights->sum[i][lane] = node->sum[i];
+	}
+	eights->radius2[lane] = node->radius2;
+	eights->cos_cone[lane] = node->cos_cone;
+	eights->sin_cone[lane] = node->sin_cone;
+	eights->cos_beam[lane] = node->cos_beam;
+	eights->power[lane] = node->power;
+	eights->spread[lane] = node->spread;
+}
+
+static gi_light_weigh *weigh_by(void)
+{
+#if defined(__x86_64__)
+	stilb_isa isa;
+	if (stilb_cpu_isa(&isa) == STILB_OK && isa >= STILB_ISA_AVX2)
+		return gi_light_weigh_avx2;
+#endif
+	return gi_light_weigh_scalar; /* the same bits */
+}
+
+bool gi_light_tree_build(gi_light_node *leaves, uint32_t leaf_count, gi_light_tree *tree)
 {
 	STILB_ASSERT(leaf_count >= 1);
-	uint32_t used = 1;
-	nodes[0] = (gi_light_node){.parent = 0};
-	build(nodes, 0, (leaf_run){leaves, leaf_count, 0}, &used);
+	uint32_t used = 1, eights = 0;
+	*tree = (gi_light_tree){.nodes = stilb_memory_alloc(2 * (size_t)leaf_count - 1, sizeof *tree->nodes),
+	                        .weigh = weigh_by()};
+	if (!tree->nodes)
+		return false;
+	tree->nodes[0] = (gi_light_node){.parent = 0};
+	build(tree->nodes, 0, (leaf_run){leaves, leaf_count, 0}, &used);
 	STILB_ASSERT(used <= 2 * leaf_count - 1);
-	STILB_CHECK(tree_is_sound(nodes, used));
-	return used;
+	STILB_CHECK(tree_is_sound(tree->nodes, used));
+	tree->node_count = used;
+	for (uint32_t i = 0; i < used; i++) {
+		tree->nodes[i].eight = eights;
+		eights += (tree->nodes[i].child_count + 7) / 8;
+	}
+	tree->eights = stilb_memory_alloc(eights, sizeof *tree->eights);
+	if (!tree->eights) {
+		gi_light_tree_finish(tree);
+		return false;
+	}
+	memset(tree->eights, 0, eights * sizeof *tree->eights);
+	for (uint32_t i = 0; i < used; i++)
+		for (uint32_t c = 0; c < tree->nodes[i].child_count; c++)
+			pack(&tree->nodes[tree->nodes[i].child + c], &tree->eights[tree->nodes[i].eight + c / 8], c % 8);
+	return true;
+}
+
+void gi_light_tree_finish(gi_light_tree *tree)
+{
+	free(tree->nodes);
+	free(tree->eights);
+	*tree = (gi_light_tree){0};
 }
 
 /* ---- choosing ---------------------------------------------------------------------------------------------------- */
 
-/* The importance of each child, and their sum. */
-static float children_importance(const gi_light_node *nodes, const gi_light_node *node, stilb_vec3 position,
-                                 stilb_vec3 normal, float importance[GI_LIGHT_CHILDREN])
+/* Fills in the importance of each of a node's children; returns their sum. */
+static float weigh(const gi_light_tree *tree, const gi_light_node *node, stilb_vec3 position, stilb_vec3 normal,
+                   gi_light_weights *weights)
 {
-	float sum = 0.0f;
-	for (uint32_t i = 0; i < node->child_count; i++) {
-		importance[i] = gi_light_node_importance(&nodes[node->child + i], position, normal);
-		sum += importance[i];
-	}
+	uint32_t count = (node->child_count + 7) / 8;
+	tree->weigh(&tree->eights[node->eight], count, position, normal, weights);
+	float sum = weights->eights[0];
+	for (uint32_t i = 1; i < count; i++)
+		sum += weights->eights[i];
 	return sum;
 }
 
-uint32_t gi_light_tree_choose(const gi_light_node *nodes, stilb_vec3 position, stilb_vec3 normal, float u,
+/* The first of the weights with which their sum is above *rest; by rounding there may be none: then the last above 0.
+ * *rest becomes the part of it that is beyond the weights before. Without branches, which nobody could foretell. */
+static uint32_t pick(const float *weights, uint32_t count, float *rest)
+{
+	uint32_t at = 0;
+	float sum = 0.0f, before = 0.0f;
+	for (uint32_t i = 0; i < count; i++) {
+		sum += weights[i];
+		at += *rest >= sum;
+		before = *rest >= sum ? sum : before;
+	}
+	if (at == count) {
+		do
+			at--;
+		while (!(weights[at] > 0.0f));
+		before = sum - weights[at];
+	}
+	*rest -= before;
+	return at;
+}
+
+uint32_t gi_light_tree_choose(const gi_light_tree *tree, stilb_vec3 position, stilb_vec3 normal, float u,
                               float *probability)
 {
 	STILB_ASSERT(u >= 0.0f && u < 1.0f);
 	uint32_t at = 0;
-	float chance = 1.0f, importance[GI_LIGHT_CHILDREN];
-	while (nodes[at].child != GI_LIGHT_LEAF) {
-		float sum = children_importance(nodes, &nodes[at], position, normal, importance), rest = u * sum;
+	float chance = 1.0f;
+	while (tree->nodes[at].child != GI_LIGHT_LEAF) {
+		const gi_light_node *node = &tree->nodes[at];
+		gi_light_weights weights;
+		float sum = weigh(tree, node, position, normal, &weights), rest = u * sum;
 		if (!(sum > 0.0f))
 			return GI_LIGHT_LEAF;
-		uint32_t chosen = GI_LIGHT_CHILDREN;
-		float before = 0.0f; /* of the sum, rest lies beyond it */
-		for (uint32_t i = 0; i < nodes[at].child_count && !(chosen < GI_LIGHT_CHILDREN && rest < before); i++) {
-			if (!(importance[i] > 0.0f))
-				continue;
-			if (chosen < GI_LIGHT_CHILDREN)
-				rest -= importance[chosen];
-			chosen = i;
-			before = importance[i];
-		}
-		chance *= importance[chosen] / sum;
-		u = rest / importance[chosen]; /* may be 1 or more, by rounding */
+		uint32_t child = node->child_count > 8 ? 8 * pick(weights.eights, (node->child_count + 7) / 8, &rest) : 0;
+		uint32_t left = node->child_count - child;
+		child += pick(&weights.each[child], left < 8 ? left : 8, &rest);
+		chance *= weights.each[child] / sum;
+		u = rest / weights.each[child]; /* may be 1 or more, by rounding */
 		u = u < BELOW_ONE ? u : BELOW_ONE;
-		at = nodes[at].child + chosen;
+		at = node->child + child;
 	}
 	*probability = chance;
 	return at;
 }
 
-float gi_light_tree_probability(const gi_light_node *nodes, stilb_vec3 position, stilb_vec3 normal, uint32_t leaf)
+float gi_light_tree_probability(const gi_light_tree *tree, stilb_vec3 position, stilb_vec3 normal, uint32_t leaf)
 {
-	STILB_ASSERT(nodes[leaf].child == GI_LIGHT_LEAF);
-	float chance = 1.0f, importance[GI_LIGHT_CHILDREN];
-	for (uint32_t at = leaf; at != 0; at = nodes[at].parent) {
-		const gi_light_node *parent = &nodes[nodes[at].parent];
-		float sum = children_importance(nodes, parent, position, normal, importance);
+	STILB_ASSERT(tree->nodes[leaf].child == GI_LIGHT_LEAF);
+	float chance = 1.0f;
+	for (uint32_t at = leaf; at != 0; at = tree->nodes[at].parent) {
+		const gi_light_node *parent = &tree->nodes[tree->nodes[at].parent];
+		gi_light_weights weights;
+		float sum = weigh(tree, parent, position, normal, &weights);
 		if (!(sum > 0.0f))
 			return 0.0f;
-		chance *= importance[at - parent->child] / sum;
+		chance *= weights.each[at - parent->child] / sum;
 	}
 	return chance;
 }

@@ -1,14 +1,13 @@
 /*
  * gi_light_tree: chooses one of many lights: a tree of boxes around lights, descended with probabilities proportional
  * to the irradiance that each of a node's children may send to a point. For gi_light.c and tests. [any-thread] once
- * built. A node has up to four children: two levels of halves at once, for no more time, of which the lower one knows
- * more of what is near.
+ * built. A node has up to sixteen children: four levels of halves at once, of which the lower ones know more of what
+ * is near. They are weighed eight at a time where there is AVX2, with the same bits without.
  *
- * A node's importance estimates irradiance: power over squared distance, times the cosines at the light and at the
- * surface. Near the box the cosines are the largest that any point of the box allows; from afar the light's is a
+ * A node's importance estimates irradiance: power over the mean squared distance, times the cosines at the light and at
+ * the surface. Near the box the cosines are the largest that any point of the box allows; from afar the light's is a
  * mean over its surfaces. It is 0 only if none of its lights shines there. Source: Conty Estevez and Kulla,
- * "Importance Sampling of Many Lights with Adaptive Tree Splitting" (2018), without the splitting; the mean over the
- * surfaces is ours.
+ * "Importance Sampling of Many Lights with Adaptive Tree Splitting" (2018), without the splitting; the means are ours.
  */
 #ifndef STILB_GI_LIGHT_TREE_H
 #define STILB_GI_LIGHT_TREE_H
@@ -30,6 +29,7 @@ typedef struct gi_light_node {
 	float lamps;    /* the part of power that is from lights without a size */
 	uint32_t child; /* index of the first child, the others follow; GI_LIGHT_LEAF: none */
 	uint32_t child_count;
+	uint32_t eight; /* index of the children's first gi_light_eight */
 	float low[3], high[3];
 	uint32_t parent; /* index; the root's is the root itself */
 	uint32_t light;  /* of a leaf: its number, given by the caller */
@@ -37,21 +37,44 @@ typedef struct gi_light_node {
 
 #define GI_LIGHT_LEAF UINT32_MAX
 
-#define GI_LIGHT_CHILDREN 4u
+#define GI_LIGHT_CHILDREN 16u /* of a node, at most; a multiple of eight */
 
-/* Builds the tree; returns the number of its nodes. leaves: [leaf_count] >= 1 with axis, cos_cone, cos_beam, power,
- * lamps, box and light set; they are reordered. nodes: out, the root first; room for 2 * leaf_count - 1. */
-uint32_t gi_light_tree_build(gi_light_node *nodes, gi_light_node *leaves, uint32_t leaf_count);
+/* What importance reads of eight siblings, one a lane; lanes without a sibling are 0. */
+typedef struct gi_light_eight {
+	_Alignas(32) float center[3][8], radius2[8], axis[3][8], cos_cone[8], sin_cone[8], cos_beam[8], power[8], sum[3][8],
+		spread[8];
+} gi_light_eight;
 
-/* Estimate of the irradiance that a node's lights send to a surface. */
-float gi_light_node_importance(const gi_light_node *node, stilb_vec3 position, stilb_vec3 normal);
+/* The importance of a node's children, and sums of eight. */
+typedef struct gi_light_weights {
+	float each[GI_LIGHT_CHILDREN], eights[GI_LIGHT_CHILDREN / 8];
+} gi_light_weights;
+
+/* Weighs the children of a node, which fill count gi_light_eights. */
+typedef void gi_light_weigh(const gi_light_eight *children, uint32_t count, stilb_vec3 position, stilb_vec3 normal,
+                            gi_light_weights *weights);
+gi_light_weigh gi_light_weigh_scalar, gi_light_weigh_avx2;
+
+typedef struct gi_light_tree {
+	gi_light_node *nodes;   /* the root first */
+	gi_light_eight *eights; /* of the children of each node */
+	gi_light_weigh *weigh;
+	uint32_t node_count;
+} gi_light_tree;
+
+/* Builds the tree. leaves: [leaf_count] >= 1 with axis, cos_cone, cos_beam, power, lamps, box and light set; they are
+ * reordered. False: no memory; then tree is {0}. */
+bool gi_light_tree_build(gi_light_node *leaves, uint32_t leaf_count, gi_light_tree *tree);
+
+/* Accepts {0}. */
+void gi_light_tree_finish(gi_light_tree *tree);
 
 /* Chooses a leaf, returned as index in nodes, with its probability; u in [0, 1). GI_LIGHT_LEAF: no light shines
  * there. */
-uint32_t gi_light_tree_choose(const gi_light_node *nodes, stilb_vec3 position, stilb_vec3 normal, float u,
+uint32_t gi_light_tree_choose(const gi_light_tree *tree, stilb_vec3 position, stilb_vec3 normal, float u,
                               float *probability);
 
 /* The probability with which gi_light_tree_choose returns this leaf. */
-float gi_light_tree_probability(const gi_light_node *nodes, stilb_vec3 position, stilb_vec3 normal, uint32_t leaf);
+float gi_light_tree_probability(const gi_light_tree *tree, stilb_vec3 position, stilb_vec3 normal, uint32_t leaf);
 
 #endif
