@@ -62,16 +62,16 @@ static void field_lights(field *f)
 	f->lights[f->light_count++].use = STILB_SCENE_LIGHT_BAKED;
 }
 
-static field field_open(stilb_render_device_kind device, uint32_t workers, uint32_t samples)
+static field field_open(stilb_render_output output, uint32_t workers, uint32_t samples)
 {
 	field f = {0};
-	stilb_render_desc desc = {.device = device,
+	stilb_render_desc desc = {.device = STILB_RENDER_DEVICE_VULKAN,
 	                          .width = WIDTH,
 	                          .height = HEIGHT,
 	                          .samples = samples,
-	                          .output = STILB_RENDER_OUTPUT_LINEAR,
+	                          .output = output,
 	                          .context_count = workers + 1,
-	                          .validate = device == STILB_RENDER_DEVICE_VULKAN};
+	                          .validate = true};
 	if (stilb_render_create(&desc, &f.render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = workers}, &f.pool), 0);
@@ -197,7 +197,7 @@ static void all_ways(field *f, const char *what)
 static void a_field_of_balls(void **state)
 {
 	(void)state;
-	field f = field_open(STILB_RENDER_DEVICE_VULKAN, 1, 1);
+	field f = field_open(STILB_RENDER_OUTPUT_LINEAR, 1, 1);
 	all_ways(&f, "from above");
 	f.view.both_sides = true;
 	all_ways(&f, "from both sides");
@@ -225,7 +225,7 @@ static void a_field_of_balls(void **state)
 static void surfaces_in_eight_bits(void **state)
 {
 	(void)state;
-	field f = field_open(STILB_RENDER_DEVICE_VULKAN, 1, 1);
+	field f = field_open(STILB_RENDER_OUTPUT_LINEAR, 1, 1);
 	f.view.shading.brdf = SHADE_BRDF_LAMBERT;
 	stilb_mat4 eye = stilb_mat4_view(stilb_vec3_make(1.0f, 2.5f, 12.0f), 0.0f, -0.25f);
 	f.view.view_projection =
@@ -256,11 +256,32 @@ static void surfaces_in_eight_bits(void **state)
 	field_close(&f);
 }
 
+/* What displays show, by codes: the same, but for one step where deferred lights or several passes are rounded. */
+static void as_displays_show_it(void **state)
+{
+	(void)state;
+	field f = field_open(STILB_RENDER_OUTPUT_DISPLAY, 1, 1);
+	stilb_image forward = field_picture(&f, STILB_RENDER_LIGHTING_FORWARD, 1);
+	for (int way = 0; way < STILB_RENDER_LIGHTING_WAYS; way++) {
+		stilb_image other = field_picture(&f, (stilb_render_lighting)way, 1);
+		bool rounds = way == STILB_RENDER_LIGHTING_MULTIPASS || way == STILB_RENDER_LIGHTING_DEFERRED;
+		const uint8_t *a = forward.pixels, *b = other.pixels;
+		int worst = 0;
+		for (size_t i = 0; i < stilb_image_size(&forward); i++)
+			worst = abs(a[i] - b[i]) > worst ? abs(a[i] - b[i]) : worst;
+		if (worst > rounds)
+			fail_msg("%s is off by %d codes", stilb_render_lighting_names[way], worst);
+		stilb_image_finish(&other);
+	}
+	stilb_image_finish(&forward);
+	field_close(&f);
+}
+
 /* With several samples a pixel there is no deferred lighting, and lists are the same bits, too. */
 static void several_samples(void **state)
 {
 	(void)state;
-	field f = field_open(STILB_RENDER_DEVICE_VULKAN, 1, 4);
+	field f = field_open(STILB_RENDER_OUTPUT_LINEAR, 1, 4);
 	stilb_image forward = field_picture(&f, STILB_RENDER_LIGHTING_FORWARD, 1);
 	stilb_image clustered = field_picture(&f, STILB_RENDER_LIGHTING_CLUSTERED, 1);
 	stilb_image deferred = field_picture(&f, STILB_RENDER_LIGHTING_DEFERRED, 1);
@@ -276,7 +297,7 @@ static void several_samples(void **state)
 static void two_passes(void **state)
 {
 	(void)state;
-	field f = field_open(STILB_RENDER_DEVICE_VULKAN, 1, 1);
+	field f = field_open(STILB_RENDER_OUTPUT_LINEAR, 1, 1);
 	f.target = (stilb_render_target){
 		.name = "half", .width = 51, .height = 40, .place = {3, 2, 51, 40}, .kind = STILB_RENDER_TARGET_LIGHT};
 	for (int other = 0; other < 2; other++) {
@@ -300,7 +321,7 @@ static void two_passes(void **state)
 static void no_lights(void **state)
 {
 	(void)state;
-	field f = field_open(STILB_RENDER_DEVICE_VULKAN, 0, 1);
+	field f = field_open(STILB_RENDER_OUTPUT_LINEAR, 0, 1);
 	for (uint32_t i = 0; i < f.light_count; i++)
 		f.lights[i].use = STILB_SCENE_LIGHT_BAKED;
 	for (int none = 0; none < 2; none++) {
@@ -387,7 +408,7 @@ static void surfaces_of_every_kind(void **state)
 static void an_impostor(void **state)
 {
 	(void)state;
-	field f = field_open(STILB_RENDER_DEVICE_VULKAN, 1, 1);
+	field f = field_open(STILB_RENDER_OUTPUT_LINEAR, 1, 1);
 	static const stilb_scene_material material = {
 		.diffuse = {0.2f, 0.6f, 0.3f}, .specular = {0.1f, 0.1f, 0.1f}, .roughness = 0.5f};
 	stilb_scene_mesh ball;
@@ -431,9 +452,13 @@ static void an_impostor(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_field_of_balls), cmocka_unit_test(surfaces_in_eight_bits),
-		cmocka_unit_test(several_samples),  cmocka_unit_test(two_passes),
-		cmocka_unit_test(no_lights),        cmocka_unit_test(surfaces_of_every_kind),
+		cmocka_unit_test(a_field_of_balls),
+		cmocka_unit_test(surfaces_in_eight_bits),
+		cmocka_unit_test(as_displays_show_it),
+		cmocka_unit_test(several_samples),
+		cmocka_unit_test(two_passes),
+		cmocka_unit_test(no_lights),
+		cmocka_unit_test(surfaces_of_every_kind),
 		cmocka_unit_test(an_impostor),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
