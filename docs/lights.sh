@@ -15,13 +15,13 @@ picture() { # NAME FLAGS...
 	"$stilb" demo --headless --frames 2 --size 320x180 --models 400 --lights 230 "$@" --screenshot "$folder/$number.png" >"$folder/said"
 	[ $number -gt 1 ] || cp "$folder/1.png" "$folder/first.png"
 	convert "$folder/$number.png" "$folder/first.png" -compose difference -composite -evaluate multiply 64 "$folder/off.png"
-	convert "$folder/$number.png" "$folder/off.png" -append -gravity south -splice 0x20 -pointsize 12 -annotate +0+4 "$name" \
-		"$folder/with-name-$number.png"
+	convert "$folder/$number.png" "$folder/off.png" -append +repage -background white -fill black \
+		\( -size 320x22 -pointsize 13 -gravity center caption:"$name" \) -append "$folder/with-name-$number.png"
 }
 picture forward --lighting forward
 picture clustered --lighting clustered
-picture 'deferred, wide' --lighting deferred
+picture deferred --lighting deferred
 picture 'deferred, rgba8' --lighting deferred --gbuffer rgba8
 picture 'deferred, rectangles' --lighting deferred --light-coverage rectangles
-picture 'deferred, rgba8, rectangles' --lighting deferred --gbuffer rgba8 --light-coverage rectangles
+picture multipass --lighting multipass
 montage "$folder"/with-name-?.png -tile 3x -geometry +3+3 -background white -depth 8 -strip -define png:color-type=2 "$out"
