@@ -338,10 +338,8 @@ int main(int argc, char **argv)
 		gi_run_build(&child);
 	else if (is_case(&child, "move"))
 		gi_run_move(&child);
-	else if (is_case(&child, "primary"))
-		gi_run_primary(&child);
-	else if (is_case(&child, "path"))
-		gi_run_path(&child);
+	else if (strncmp(child.case_name, GI_RUN_RAYS, strlen(GI_RUN_RAYS)) == 0)
+		gi_run_rays(&child);
 	else if (is_case(&child, "sobol"))
 		run_sobol(&child);
 	else if (is_case(&child, "workers"))

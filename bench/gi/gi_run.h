@@ -104,7 +104,7 @@ static inline uint32_t gi_run_find(const float *sums, uint32_t count, float u)
 
 /* ---- the cases --------------------------------------------------------------------------------------------------- */
 
-/* The scene of a row, by the case's name. */
+/* The scene of a row, by the case's name; of "million", gi_run_million. */
 stilb_scene *gi_run_row_scene(const char *name);
 void gi_run_row(const bench_child *child);
 
@@ -113,7 +113,8 @@ void gi_run_choice(const bench_child *child);
 void gi_run_build(const bench_child *child);
 
 void gi_run_move(const bench_child *child);
-void gi_run_primary(const bench_child *child);
-void gi_run_path(const bench_child *child);
+
+#define GI_RUN_RAYS "rays-" /* how the names of cases begin that gi_run_rays runs; a row's name or "million" follows */
+void gi_run_rays(const bench_child *child);
 
 #endif
