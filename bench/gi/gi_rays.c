@@ -1,7 +1,8 @@
 /*
- * The cases `rays-*`: the renderer, and Embree alone on the very rays of its picture, in the order in which the renderer
- * traced them and by the same tree; the difference is the renderer's own cost. One thread; times are CPU times, the least
- * of many passes that take turns. Embree traces each kind of ray one by one and sixteen at a time; the faster counts.
+ * The cases `rays-*`: the renderer, and Embree alone on the very rays of its picture, in the order in which the
+ * renderer traced them and by the same tree; the difference is the renderer's own cost. One thread; times are CPU times,
+ * the least of many passes that take turns. Embree traces each kind of ray one by one and sixteen at a time; the faster
+ * counts.
  */
 #include "bench/gi/gi_run.h"
 #include "gi/film/gi_primary.h"
@@ -15,6 +16,7 @@
 
 #define SIDE 192u /* of the picture, pixels */
 #define SAMPLES 4u
+#define TILE 16u /* of the renderer, pixels */
 #define DEPTH 8u
 #define PIXELS (SIDE * SIDE)
 #define CAMERA_RAYS (PIXELS * SAMPLES)
@@ -78,10 +80,7 @@ static void rays_pack(rays *r)
 	if (!r->packets)
 		bench_child_fail("no memory for the rays");
 	for (size_t i = 0; i < r->count / 16; i++) {
-		gi_ray sixteen[16];
-		for (size_t lane = 0; lane < 16; lane++)
-			sixteen[lane] = r->at[16 * i + lane].ray;
-		gi_packet_load_rays(sixteen, &r->packets[i].ray);
+		gi_packet_load_rays(&r->at[16 * i].ray, sizeof *r->at, &r->packets[i].ray);
 		for (size_t lane = 0; lane < 16; lane++)
 			r->packets[i].hit.part[lane] = r->packets[i].hit.instance[lane] = GI_NO_PART;
 	}
@@ -165,13 +164,22 @@ static double alone_any16(RTCScene scene, const rays *r)
 
 /* ---- the renderer's stages --------------------------------------------------------------------------------------- */
 
-/* The samples of a picture in the renderer's order: tile by tile, in a tile by blocks of 4 x 4 pixels, and all samples
- * of a pixel together. */
+/* The samples of a picture in the renderer's order: tile by tile, in a tile in Morton order, and all samples of a pixel
+ * together. */
 typedef struct samples {
 	uint16_t x[CAMERA_RAYS], y[CAMERA_RAYS];
 	gi_point points[CAMERA_RAYS];
 	gi_primary found; /* of the batch that was traced last */
 } samples;
+
+/* Every second bit of a Morton code. */
+static uint32_t morton_x(uint32_t code)
+{
+	uint32_t x = 0;
+	for (uint32_t bit = 0; 1u << 2 * bit < TILE * TILE; bit++)
+		x |= (code >> 2 * bit & 1) << bit;
+	return x;
+}
 
 static samples *samples_make(const gi_view *view)
 {
@@ -179,9 +187,9 @@ static samples *samples_make(const gi_view *view)
 	if (!s)
 		bench_child_fail("no memory for the samples");
 	for (uint32_t i = 0; i < CAMERA_RAYS; i++) {
-		uint32_t pixel = i / SAMPLES, tile = pixel / GI_BATCH, block = pixel % GI_BATCH / 16, at = pixel % 16;
-		s->x[i] = (uint16_t)(tile % (SIDE / 32) * 32 + block % 8 * 4 + at % 4);
-		s->y[i] = (uint16_t)(tile / (SIDE / 32) * 32 + block / 8 * 4 + at / 4);
+		uint32_t pixel = i / SAMPLES, tile = pixel / (TILE * TILE), at = pixel % (TILE * TILE);
+		s->x[i] = (uint16_t)(tile % (SIDE / TILE) * TILE + morton_x(at));
+		s->y[i] = (uint16_t)(tile / (SIDE / TILE) * TILE + morton_x(at >> 1));
 		s->points[i] = gi_sampler_point(&view->sampler, s->x[i], s->y[i], i % SAMPLES);
 	}
 	return s;
