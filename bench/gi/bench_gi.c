@@ -12,8 +12,11 @@
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 #define PROGRAM "stilb-bench-gi"
 
-static const bench_metric build_metrics[] = {
-	{"stilb", "ms", true, NULL}, {"embree", "ms", true, NULL}, {"ratio", "x", true, NULL}};
+static const bench_metric build_metrics[] = {{"stilb", "ms", true, NULL},
+                                             {"embree", "ms", true, NULL},
+                                             {"ratio", "x", true, NULL},
+                                             {"memory", "x", true, NULL},
+                                             {"threads", "besides ours", true, NULL}};
 static const bench_metric move_metrics[] = {{"whole", "ms", true, NULL},
                                             {"movable", "ms", true, NULL},
                                             {"update", "ms", true, NULL},
@@ -81,7 +84,10 @@ typedef struct goal {
 } goal;
 
 static const goal goals[] = {
+	{"build-100k", "ratio", "build time / rtcCommitScene's", 1.02, true},
 	{"build", "ratio", "build time / rtcCommitScene's", 1.02, true},
+	{"build-10m", "ratio", "build time / rtcCommitScene's", 1.02, true},
+	{"build-10m", "memory", "memory of tree, vertices and triangles / of Embree's program", 1.1, true},
 #define RAYS(NAME)                                                                                                     \
 	{NAME, "path-share", "rays/s of a picture / Embree alone on the same rays", 0.8, false},                           \
 		{NAME, "primary-share", "camera rays/s with their surfaces / Embree alone", 0.9, false},                       \

@@ -4,89 +4,118 @@
 
 #include <embree3/rtcore.h>
 
+#include <dirent.h>
 #include <math.h>
-#include <stdlib.h>
+#include <stdatomic.h>
 #include <string.h>
 
-typedef struct geometry {
-	float *positions;
-	uint32_t *indices;
-	uint32_t vertex_count, triangle_count;
-} geometry;
+/* Bytes that Embree has allocated; relaxed: it is read when the build's threads are done. */
+static _Atomic int64_t embree_bytes;
 
-static geometry geometry_of(const stilb_scene_mesh *mesh)
+static bool embree_on_memory(void *user, ssize_t bytes, bool post)
 {
-	geometry g = {
-		.vertex_count = mesh->vertex_count, .triangle_count = mesh->index_count / 3, .indices = mesh->indices};
-	/* Embree reads 16 bytes for each vertex, beyond the last one too. */
-	g.positions = malloc(((size_t)mesh->vertex_count * 3 + 4) * sizeof(float));
-	if (!g.positions)
-		bench_child_fail("no memory for the scene");
-	for (uint32_t i = 0; i < mesh->vertex_count; i++)
-		memcpy(g.positions + 3 * (size_t)i, mesh->vertices[i].position, sizeof mesh->vertices[i].position);
-	return g;
+	(void)user;
+	(void)post;
+	atomic_fetch_add_explicit(&embree_bytes, bytes, memory_order_relaxed);
+	return true;
 }
 
-/* The time of rtcCommitScene on Embree's own threads, one for each CPU, in seconds. */
-static double embree_build(const geometry *geometries, uint32_t count)
+/* Least time, seconds, memory of the tree and of what it was made of, bytes. */
+typedef struct built {
+	double seconds, bytes;
+} built;
+
+/* rtcCommitScene on Embree's own threads, one for each CPU, of the same vertices and with the same flags. */
+static built embree_build(const stilb_scene *scene)
 {
 	char config[64];
 	snprintf(config, sizeof config, "threads=%u", bench_child_cpu_count());
 	RTCDevice device = rtcNewDevice(config);
-	RTCScene scene = rtcNewScene(device);
-	for (uint32_t i = 0; i < count; i++) {
+	rtcSetDeviceMemoryMonitorFunction(device, embree_on_memory, NULL);
+	RTCScene tree = rtcNewScene(device);
+	rtcSetSceneFlags(tree, RTC_SCENE_FLAG_ROBUST);
+	built b = {0};
+	for (uint32_t i = 0; i < scene->part_count; i++) {
+		const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[i]];
 		RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-		rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, geometries[i].positions, 0, 12,
-		                           geometries[i].vertex_count);
-		rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, geometries[i].indices, 0, 12,
-		                           geometries[i].triangle_count);
+		rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->vertices, 0,
+		                           sizeof *mesh->vertices, mesh->vertex_count);
+		rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
+		                           3 * sizeof *mesh->indices, mesh->index_count / 3);
 		rtcCommitGeometry(g);
-		rtcAttachGeometryByID(scene, g, i);
+		rtcAttachGeometryByID(tree, g, i);
 		rtcReleaseGeometry(g);
+		b.bytes += (double)(sizeof *mesh->vertices * mesh->vertex_count + sizeof *mesh->indices * mesh->index_count);
 	}
 	uint64_t begin = bench_child_now_ns();
-	rtcCommitScene(scene);
-	double seconds = 1e-9 * (double)(bench_child_now_ns() - begin);
-	rtcReleaseScene(scene);
+	rtcCommitScene(tree);
+	b.seconds = 1e-9 * (double)(bench_child_now_ns() - begin);
+	b.bytes += (double)atomic_load_explicit(&embree_bytes, memory_order_relaxed);
+	rtcReleaseScene(tree);
 	rtcReleaseDevice(device);
-	return seconds;
+	return b;
+}
+
+/* Threads of this process now. */
+static uint32_t thread_count(void)
+{
+	uint32_t count = 0;
+	DIR *tasks = opendir("/proc/self/task");
+	for (const struct dirent *entry; tasks && (entry = readdir(tasks));)
+		count += entry->d_name[0] != '.';
+	if (tasks)
+		closedir(tasks);
+	return count;
+}
+
+/* The renderer's build. *extra: threads that there are besides the pool's and this one. */
+static built own_build(const stilb_scene *scene, uint32_t rings, uint32_t *extra)
+{
+	stilb_job_pool *pool;
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	desc.worker_count = bench_child_cpu_count() - 1;
+	if (stilb_job_pool_create(&desc, &pool) != 0)
+		bench_child_fail("cannot start worker threads");
+	stilb_gi_scene_desc gi_desc = stilb_gi_scene_desc_default(pool);
+	stilb_gi_scene *gi;
+	uint32_t before = thread_count();
+	gi_run_check(stilb_gi_scene_create(scene, &gi_desc, &gi), "the scene");
+	*extra = thread_count() - before;
+	const stilb_gi_scene_info *info = stilb_gi_scene_info_of(gi);
+	if (info->triangles != 108ull * rings * rings + 12)
+		bench_child_fail("wrong result: the scene has %llu triangles", (unsigned long long)info->triangles);
+	built b = {info->build_s, (double)info->bytes};
+	stilb_gi_scene_destroy(gi);
+	stilb_job_pool_destroy(pool);
+	return b;
 }
 
 void gi_run_build(const bench_child *child)
 {
-	stilb_scene *scene = gi_run_million();
-	geometry *geometries = calloc(scene->part_count, sizeof *geometries);
-	if (!geometries)
-		bench_child_fail("no memory for the scene");
-	for (uint32_t p = 0; p < scene->part_count; p++)
-		geometries[p] = geometry_of(&scene->meshes[scene->part_mesh[p]]);
-	double own = (double)INFINITY, theirs = (double)INFINITY, spent = 0.0;
-	for (uint32_t turn = 0; turn < 3 || spent < child->seconds; turn++) {
-		/* The least time of the renderer's builds and of Embree's is kept: each build is the same work, so longer times
-		 * are disturbances. */
-		stilb_job_pool *pool;
-		stilb_job_pool_desc desc = stilb_job_pool_desc_default();
-		desc.worker_count = bench_child_cpu_count() - 1;
-		if (stilb_job_pool_create(&desc, &pool) != 0)
-			bench_child_fail("cannot start worker threads");
-		stilb_gi_scene_desc gi_desc = stilb_gi_scene_desc_default(pool);
-		stilb_gi_scene *gi;
-		gi_run_check(stilb_gi_scene_create(scene, &gi_desc, &gi), "the scene");
-		double seconds = stilb_gi_scene_info_of(gi)->build_s;
-		if (stilb_gi_scene_info_of(gi)->triangles != 1037244)
-			bench_child_fail("wrong result: the scene has %llu triangles",
-			                 (unsigned long long)stilb_gi_scene_info_of(gi)->triangles);
-		own = fmin(own, seconds);
-		stilb_gi_scene_destroy(gi);
-		stilb_job_pool_destroy(pool);
-		double other = embree_build(geometries, scene->part_count);
-		theirs = fmin(theirs, other);
-		spent += seconds + other;
+	static const struct {
+		const char *name;
+		uint32_t rings;
+	} sizes[] = {{"build-100k", 30}, {"build", 98}, {"build-10m", 304}};
+	uint32_t rings = 0, extra = 0;
+	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+		if (strcmp(child->case_name, sizes[i].name) == 0)
+			rings = sizes[i].rings;
+	stilb_scene *scene = gi_run_balls(rings);
+	/* The least time of each counts: every build is the same work, so longer times are disturbances. The renderer's is
+	 * the first, so that threads of Embree's own are not there yet. */
+	built own = own_build(scene, rings, &extra), theirs = embree_build(scene);
+	double spent = own.seconds + theirs.seconds;
+	for (uint32_t turn = 1, ignored; turn < 3 || spent < child->seconds; turn++) {
+		double a = own_build(scene, rings, &ignored).seconds;
+		double b = embree_build(scene).seconds;
+		own.seconds = fmin(own.seconds, a);
+		theirs.seconds = fmin(theirs.seconds, b);
+		spent += a + b;
 	}
-	for (uint32_t p = 0; p < scene->part_count; p++)
-		free(geometries[p].positions);
-	free(geometries);
-	bench_child_metric("stilb", 1e3 * own);
-	bench_child_metric("embree", 1e3 * theirs);
-	bench_child_metric("ratio", own / theirs);
+	stilb_scene_destroy(scene);
+	bench_child_metric("stilb", 1e3 * own.seconds);
+	bench_child_metric("embree", 1e3 * theirs.seconds);
+	bench_child_metric("ratio", own.seconds / theirs.seconds);
+	bench_child_metric("memory", own.bytes / theirs.bytes);
+	bench_child_metric("threads", extra);
 }

@@ -1,8 +1,8 @@
 /*
  * The cases `rays-*`: the renderer, and Embree alone on the very rays of its picture, in the order in which the
- * renderer traced them and by the same tree; the difference is the renderer's own cost. One thread; times are CPU times,
- * the least of many passes that take turns. Embree traces each kind of ray one by one and sixteen at a time; the faster
- * counts.
+ * renderer traced them and by the same tree; the difference is the renderer's own cost. One thread; times are CPU
+ * times, the least of many passes that take turns. Embree traces each kind of ray one by one and sixteen at a time; the
+ * faster counts.
  */
 #include "bench/gi/gi_run.h"
 #include "gi/film/gi_primary.h"

@@ -15,8 +15,9 @@ void gi_run_check(stilb_result result, const char *what);
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
-/* Creates a closed box of 20 m with 27 bumpy balls and an emitting ceiling: 1,037,244 triangles. */
-stilb_scene *gi_run_million(void);
+/* Creates a closed box of 20 m with 27 bumpy balls and an emitting ceiling: 108 rings^2 + 12 triangles. */
+stilb_scene *gi_run_balls(uint32_t rings);
+stilb_scene *gi_run_million(void); /* 1,037,244 triangles */
 
 /* A scene with the threads that trace it. */
 typedef struct gi_run_world {
