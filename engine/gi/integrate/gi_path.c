@@ -94,11 +94,10 @@ static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 	bool hit = gi_is_hit(ray);
 	if (hit)
 		gi_surface_at(wave->view->scene, ray, surface);
-	if (wave->bounce >= wave->emission_from)
-		wave->radiance[path->slot] +=
-			path->throughput * gi_direct_found(wave->view,
-		                                       (gi_direct_left){path->normal, path->pdf, GI_DIRECT_WITH_RAY}, ray,
-		                                       hit ? surface : NULL);
+	if (wave->bounce >= wave->emission_from) {
+		gi_direct_left left = {path->normal, path->pdf, GI_DIRECT_WITH_RAY};
+		wave->radiance[path->slot] += path->throughput * gi_direct_found(wave->view, &left, ray, hit ? surface : NULL);
+	}
 	if (hit && wave->vertex == 0 && wave->emission_from == 0)
 		wave->radiance[path->slot] += surface->unlit;
 	return hit && wave->bounce < wave->depth && reflects(surface);
@@ -161,7 +160,7 @@ static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count,
 	for (uint32_t k = 0; k < live; k++) {
 		path_vertex *vertex = &vertices[k];
 		stilb_vec3 to_viewer = -gi_ray_direction(&wave->rays[vertex->path].ray);
-		vertex->bsdf = gi_bsdf_make(&view->settings.model, &vertex->surface, to_viewer);
+		gi_bsdf_make(&view->settings.model, &vertex->surface, to_viewer, &vertex->bsdf);
 		vertex->origin = gi_surface_ray_origin(&vertex->surface, vertex->surface.geometric);
 	}
 	if (wave->bounce + 1 >= wave->direct_from)
