@@ -18,6 +18,7 @@
 #include "base/glsl_types.h"
 
 #define VERTICES 32       /* that are shaded together: their data fits into the first-level cache */
+#define CACHED 16384      /* bytes of a scene's triangles and vertices that stay in the first-level cache */
 #define ROULETTE_BOUNCE 3 /* first bounce at which a path may end by Russian roulette */
 /* The probability of surviving is this times the square root of the throughput; measured in the Cornell box. */
 #define ROULETTE_SCALE 1.15f
@@ -201,13 +202,18 @@ static void wave_shade(path_wave *wave)
 {
 	PROFILE("gi.shade");
 	uint32_t kept = 0;
-	wave_fetch_triangles(wave, 0);
-	wave_fetch_triangles(wave, VERTICES);
-	wave_fetch_vertices(wave, 0);
+	bool large = wave->view->scene->own_bytes > CACHED;
+	if (large) {
+		wave_fetch_triangles(wave, 0);
+		wave_fetch_triangles(wave, VERTICES);
+		wave_fetch_vertices(wave, 0);
+	}
 	for (uint32_t first = 0; first < wave->count; first += VERTICES) {
 		uint32_t rest = wave->count - first;
-		wave_fetch_triangles(wave, first + 2 * VERTICES);
-		wave_fetch_vertices(wave, first + VERTICES);
+		if (large) {
+			wave_fetch_triangles(wave, first + 2 * VERTICES);
+			wave_fetch_vertices(wave, first + VERTICES);
+		}
 		kept = wave_shade_some(wave, first, rest < VERTICES ? rest : VERTICES, kept);
 	}
 	wave->count = kept;
