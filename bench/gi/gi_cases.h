@@ -32,6 +32,6 @@
 	X("hessian", "indirect light by equally many cache records: occlusion Hessian, plain and bounded split sphere",    \
 	  hessian)                                                                                                         \
 	X("workers", "path tracing with one thread and with two", workers)                                                 \
-	X("pathtracer", "paths of depth 5 in Embree's Cornell box, beside Embree's example program", rate)
+	X("pathtracer", "paths of depth 5 in Embree's Cornell box, beside Embree's example program; CPU time", rate)
 
 #endif
