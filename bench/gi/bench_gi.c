@@ -136,8 +136,9 @@ static void report(FILE *out, const bench_results *results)
 	fprintf(
 		out,
 		"\n  move: whole, movable: a new scene that is not and that is movable; rays: rates of movable / not\n"
-		"  embree: the same rays by rtcIntersect1 and rtcOccluded1 on one thread, 1,037,244 triangles (build: "
-		"rtcCommitScene; primary: rtcIntersect16)\n"
+		"  build: memory: tree, vertices and triangles, of Stilb / of Embree's program; threads: started besides "
+		"Stilb's\n"
+		"  rays: shares are of what Embree alone traces of the same rays in as much CPU time; shadow-one: one by one\n"
 		"  rows (cornell ... foliage): 128 x 128 pixels, 64 samples, one thread; plain: a plain path tracer on Embree "
 		"with Owen-scrambled Sobol points, one light sample for each hit, multiple importance sampling, Russian "
 		"roulette; stilb, plain: 1 / (rmse^2 CPU s); apart: difference of their means\n"

@@ -323,7 +323,7 @@ static void run_pathtracer(const bench_child *child)
 	while (seconds < child->seconds) {
 		settings.seed++;
 		gi_run_picture picture = gi_run_render(&world, &settings);
-		seconds += picture.cpu_seconds;
+		seconds += picture.thread_seconds;
 		rays += (double)picture.rays;
 		gi_run_picture_finish(&picture);
 	}

@@ -37,12 +37,13 @@ void gi_run_world_finish(gi_run_world *world);
 /* Linear Rec.709, three floats for each pixel, row 0 at the top. */
 typedef struct gi_run_picture {
 	float *rgb;
-	double seconds, cpu_seconds; /* cpu_seconds: of all threads */
+	double seconds, cpu_seconds, thread_seconds; /* CPU time of all threads, and of the caller */
 	uint64_t rays, records;
 } gi_run_picture;
 
 typedef struct gi_run_clock {
-	double seconds, cpu_seconds; /* cpu_seconds: of this process */
+	double seconds, cpu_seconds; /* cpu_seconds: of this process; stilb-bench limits it, so it is counted in ticks */
+	double thread_seconds;       /* CPU time of this thread, to the nanosecond */
 } gi_run_clock;
 gi_run_clock gi_run_now(void);
 
