@@ -72,7 +72,8 @@ static walk walk_begin(const furnace_world *world)
 static void walk_bounce(walk *w, const float numbers[3])
 {
 	shade_brdf_model lambert = {.kind = SHADE_BRDF_LAMBERT};
-	gi_bsdf bsdf = gi_bsdf_make(&lambert, &w->surface, -gi_ray_direction(&w->ray.ray));
+	gi_bsdf bsdf;
+	gi_bsdf_make(&lambert, &w->surface, -gi_ray_direction(&w->ray.ray), &bsdf);
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(&bsdf, 0.0f, (stilb_vec2){numbers[0], numbers[1]}, &chosen))
 		bench_child_fail("a direction points into the ball's wall");

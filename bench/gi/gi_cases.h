@@ -15,11 +15,15 @@
 	X("foliage", "leaves cut out of a texture, sun and sky")
 
 #define GI_CASES(X)                                                                                                    \
-	X("build", "building the BVH of 1,037,244 triangles: with Stilb's workers, and with Embree's threads", build)      \
+	X("build-100k", "building the BVH of 97,212 triangles: with Stilb's workers, and with Embree's threads", build)    \
+	X("build", "the same of 1,037,244 triangles", build)                                                               \
+	X("build-10m", "the same of 9,980,940 triangles", build)                                                           \
 	X("move", "a model of 1,037,244 triangles and 1,000 of 10,000 small ones moved: a scene made anew, and an update", \
 	  move)                                                                                                            \
-	X("primary", "camera rays with their surface data, beside rtcIntersect16 on the same rays", rate)                  \
-	X("path", "diffuse paths, beside Embree alone on the same rays", path)                                             \
+	X("rays-cornell", "rays of the Cornell box, beside Embree alone on the same rays", rays)                           \
+	X("rays-open-sky", "the same of bumpy spheres under a sky and a sun", rays)                                        \
+	X("rays-foliage", "the same of leaves cut out of a texture", rays)                                                 \
+	X("rays-million", "the same of 1,037,244 triangles", rays)                                                         \
 	X("sobol", "path tracing with Owen-scrambled Sobol points, beside independent random numbers", samples)            \
 	X("choice", "which of 1,000 triangles and 1,000 points to ask: the light tree, any, the best by brute force",      \
 	  choice)                                                                                                          \
@@ -29,6 +33,6 @@
 	X("hessian", "indirect light by equally many cache records: occlusion Hessian, plain and bounded split sphere",    \
 	  hessian)                                                                                                         \
 	X("workers", "path tracing with one thread and with two", workers)                                                 \
-	X("pathtracer", "paths of depth 5 in Embree's Cornell box, beside Embree's example program", rate)
+	X("pathtracer", "paths of depth 5 in Embree's Cornell box, beside Embree's example program; CPU time", rate)
 
 #endif

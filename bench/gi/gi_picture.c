@@ -14,9 +14,11 @@
 
 gi_run_clock gi_run_now(void)
 {
-	struct timespec cpu;
+	struct timespec cpu, thread;
 	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
-	return (gi_run_clock){1e-9 * (double)bench_child_now_ns(), (double)cpu.tv_sec + 1e-9 * (double)cpu.tv_nsec};
+	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &thread);
+	return (gi_run_clock){1e-9 * (double)bench_child_now_ns(), (double)cpu.tv_sec + 1e-9 * (double)cpu.tv_nsec,
+	                      (double)thread.tv_sec + 1e-9 * (double)thread.tv_nsec};
 }
 
 gi_run_picture gi_run_render(const gi_run_world *world, const stilb_gi_settings *settings)
@@ -27,7 +29,8 @@ gi_run_picture gi_run_render(const gi_run_world *world, const stilb_gi_settings 
 	gi_run_check(stilb_gi_render_run(render), "rendering");
 	gi_run_clock end = gi_run_now();
 	gi_run_picture picture = {.seconds = end.seconds - begin.seconds,
-	                          .cpu_seconds = end.cpu_seconds - begin.cpu_seconds};
+	                          .cpu_seconds = end.cpu_seconds - begin.cpu_seconds,
+	                          .thread_seconds = end.thread_seconds - begin.thread_seconds};
 	stilb_gi_progress progress;
 	stilb_gi_render_progress(render, &progress);
 	picture.rays = progress.rays;

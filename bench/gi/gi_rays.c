@@ -1,339 +1,285 @@
-/* Times stages of the offline renderer, and Embree alone on the same rays; the difference is the renderer's own cost.
- * Rays are traced on one thread. */
+/*
+ * The cases `rays-*`: the renderer, and Embree alone on the very rays of its picture, in the order in which the
+ * renderer traced them and by the same tree; the difference is the renderer's own cost. One thread; times are CPU
+ * times, the least of many passes that take turns. Embree traces each kind of ray one by one and sixteen at a time; the
+ * faster counts.
+ */
 #include "bench/gi/gi_run.h"
 #include "gi/film/gi_primary.h"
 #include "gi/gi_scene_internal.h"
 #include "gi/trace/gi_embree.h"
+#include "gi/trace/gi_packet.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define SIDE 512u /* of the pictures traced, pixels */
-#define PATH_SIDE 256u
-#define PATH_DEPTH 8u
-
-/* ---- building ---------------------------------------------------------------------------------------------------- */
-
-typedef struct geometry {
-	float *positions;
-	uint32_t *indices;
-	uint32_t vertex_count, triangle_count;
-} geometry;
-
-static geometry geometry_of(const stilb_scene_mesh *mesh)
-{
-	geometry g = {
-		.vertex_count = mesh->vertex_count, .triangle_count = mesh->index_count / 3, .indices = mesh->indices};
-	/* Embree reads 16 bytes for each vertex, beyond the last one too. */
-	g.positions = malloc(((size_t)mesh->vertex_count * 3 + 4) * sizeof(float));
-	if (!g.positions)
-		bench_child_fail("no memory for the scene");
-	for (uint32_t i = 0; i < mesh->vertex_count; i++)
-		memcpy(g.positions + 3 * (size_t)i, mesh->vertices[i].position, sizeof mesh->vertices[i].position);
-	return g;
-}
-
-/* The time of rtcCommitScene on Embree's own threads, one for each CPU, in seconds. */
-static double embree_build(const geometry *geometries, uint32_t count)
-{
-	char config[64];
-	snprintf(config, sizeof config, "threads=%u", bench_child_cpu_count());
-	RTCDevice device = rtcNewDevice(config);
-	RTCScene scene = rtcNewScene(device);
-	for (uint32_t i = 0; i < count; i++) {
-		RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-		rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, geometries[i].positions, 0, 12,
-		                           geometries[i].vertex_count);
-		rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, geometries[i].indices, 0, 12,
-		                           geometries[i].triangle_count);
-		rtcCommitGeometry(g);
-		rtcAttachGeometryByID(scene, g, i);
-		rtcReleaseGeometry(g);
-	}
-	uint64_t begin = bench_child_now_ns();
-	rtcCommitScene(scene);
-	double seconds = 1e-9 * (double)(bench_child_now_ns() - begin);
-	rtcReleaseScene(scene);
-	rtcReleaseDevice(device);
-	return seconds;
-}
-
-void gi_run_build(const bench_child *child)
-{
-	stilb_scene *scene = gi_run_million();
-	geometry *geometries = calloc(scene->part_count, sizeof *geometries);
-	if (!geometries)
-		bench_child_fail("no memory for the scene");
-	for (uint32_t p = 0; p < scene->part_count; p++)
-		geometries[p] = geometry_of(&scene->meshes[scene->part_mesh[p]]);
-	double own = (double)INFINITY, theirs = (double)INFINITY, spent = 0.0;
-	for (uint32_t turn = 0; turn < 3 || spent < child->seconds; turn++) {
-		/* The least time of the renderer's builds and of Embree's is kept: each build is the same work, so longer times
-		 * are disturbances. */
-		stilb_job_pool *pool;
-		stilb_job_pool_desc desc = stilb_job_pool_desc_default();
-		desc.worker_count = bench_child_cpu_count() - 1;
-		if (stilb_job_pool_create(&desc, &pool) != 0)
-			bench_child_fail("cannot start worker threads");
-		stilb_gi_scene_desc gi_desc = stilb_gi_scene_desc_default(pool);
-		stilb_gi_scene *gi;
-		gi_run_check(stilb_gi_scene_create(scene, &gi_desc, &gi), "the scene");
-		double seconds = stilb_gi_scene_info_of(gi)->build_s;
-		if (stilb_gi_scene_info_of(gi)->triangles != 1037244)
-			bench_child_fail("wrong result: the scene has %llu triangles",
-			                 (unsigned long long)stilb_gi_scene_info_of(gi)->triangles);
-		own = fmin(own, seconds);
-		stilb_gi_scene_destroy(gi);
-		stilb_job_pool_destroy(pool);
-		double other = embree_build(geometries, scene->part_count);
-		theirs = fmin(theirs, other);
-		spent += seconds + other;
-	}
-	for (uint32_t p = 0; p < scene->part_count; p++)
-		free(geometries[p].positions);
-	free(geometries);
-	bench_child_metric("stilb", 1e3 * own);
-	bench_child_metric("embree", 1e3 * theirs);
-	bench_child_metric("ratio", own / theirs);
-}
+#define SIDE 192u /* of the picture, pixels */
+#define SAMPLES 4u
+#define PASSES 5u /* at least */
+#define TILE 16u  /* of the renderer, pixels */
+#define DEPTH 8u
+#define PIXELS (SIDE * SIDE)
+#define CAMERA_RAYS (PIXELS * SAMPLES)
 
 /* ---- recording --------------------------------------------------------------------------------------------------- */
 
-/* Stands in for the renderer's tracer: records rays in the order in which they are traced, and passes them on. */
+typedef struct rays {
+	gi_ray_hit *at; /* [room] as they are before they are traced; a shadow ray's hit is "none" */
+	size_t count, room;
+	gi_ray_hit16 *packets; /* the same, sixteen at a time; the last rays of all may be missing */
+} rays;
+
+/* Stands in for the renderer's tracer: records rays, and passes them on. */
 typedef struct tape {
 	gi_tracer behind; /* the renderer's tracer, which finds the hits */
-	gi_ray_hit *closest;
-	gi_ray *shadow;
-	size_t closest_count, closest_room, shadow_count, shadow_room;
+	rays camera, bounce, shadow;
+	size_t shadow_call; /* rays of the longest call of occluded */
 } tape;
 
-static void *grown(void *array, size_t *room, size_t size)
+static void record(rays *r, const gi_ray *ray)
 {
-	*room = *room ? 2 * *room : 1 << 16;
-	array = realloc(array, *room * size);
-	if (!array)
-		bench_child_fail("no memory for the rays");
-	return array;
-}
-
-static void record_closest(tape *t, const gi_ray_hit *ray)
-{
-	if (t->closest_count == t->closest_room)
-		t->closest = grown(t->closest, &t->closest_room, sizeof *t->closest);
-	t->closest[t->closest_count++] = *ray;
+	if (r->count == r->room) {
+		r->room = r->room ? 2 * r->room : 1 << 16;
+		r->at = realloc(r->at, r->room * sizeof *r->at);
+		if (!r->at)
+			bench_child_fail("no memory for the rays");
+	}
+	r->at[r->count++] = (gi_ray_hit){*ray, {.part = GI_NO_PART, .instance = GI_NO_PART}};
 }
 
 static void tape_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 {
 	tape *t = tracer->state;
-	record_closest(t, ray);
+	record(&t->bounce, &ray->ray);
 	t->behind.intersect(&t->behind, ray);
 }
 
-static void tape_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays)
+static void tape_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *packet)
 {
 	tape *t = tracer->state;
 	for (uint32_t i = 0; i < 16; i++)
 		if (valid[i]) {
-			gi_ray_hit ray = gi_ray_of(rays, i);
-			ray.hit = (gi_hit){.part = GI_NO_PART, .instance = GI_NO_PART}; /* no hit: not traced yet */
-			record_closest(t, &ray);
+			gi_ray_hit ray = gi_ray_of(packet, i);
+			record(&t->camera, &ray.ray);
 		}
-	t->behind.intersect16(&t->behind, valid, rays);
+	t->behind.intersect16(&t->behind, valid, packet);
 }
 
-static void tape_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
+static void tape_occluded(const gi_tracer *tracer, gi_ray *shadows, uint32_t count)
 {
 	tape *t = tracer->state;
-	for (uint32_t i = 0; i < count; i++) {
-		if (t->shadow_count == t->shadow_room)
-			t->shadow = grown(t->shadow, &t->shadow_room, sizeof *t->shadow);
-		t->shadow[t->shadow_count++] = rays[i];
-	}
-	t->behind.occluded(&t->behind, rays, count);
+	for (uint32_t i = 0; i < count; i++)
+		record(&t->shadow, &shadows[i]);
+	t->shadow_call = count > t->shadow_call ? count : t->shadow_call;
+	t->behind.occluded(&t->behind, shadows, count);
 }
 
-/* Renders a picture and returns all rays that the renderer traced for it. */
-static tape record(gi_run_world *world, const stilb_gi_settings *settings)
+static void rays_pack(rays *r)
+{
+	r->packets = stilb_memory_alloc(r->count / 16 + 1, sizeof *r->packets);
+	if (!r->packets)
+		bench_child_fail("no memory for the rays");
+	for (size_t i = 0; i < r->count / 16; i++) {
+		gi_packet_load_rays(&r->at[16 * i].ray, sizeof *r->at, &r->packets[i].ray);
+		for (size_t lane = 0; lane < 16; lane++)
+			r->packets[i].hit.part[lane] = r->packets[i].hit.instance[lane] = GI_NO_PART;
+	}
+}
+
+/* All rays that the renderer traces for a picture. */
+static tape tape_of(gi_run_world *world, const stilb_gi_settings *settings)
 {
 	tape t = {.behind = world->gi->tracer};
 	world->gi->tracer = (gi_tracer){tape_intersect, tape_intersect16, tape_occluded, &t};
 	gi_run_picture picture = gi_run_render(world, settings);
+	if (picture.rays != t.camera.count + t.bounce.count + t.shadow.count || t.camera.count != CAMERA_RAYS)
+		bench_child_fail("wrong result: the renderer counted %llu rays, %zu + %zu + %zu were recorded",
+		                 (unsigned long long)picture.rays, t.camera.count, t.bounce.count, t.shadow.count);
 	gi_run_picture_finish(&picture);
 	world->gi->tracer = t.behind;
+	rays_pack(&t.camera);
+	rays_pack(&t.bounce);
+	rays_pack(&t.shadow);
 	return t;
 }
 
-/* ---- raw Embree -------------------------------------------------------------------------------------------------- */
+/* ---- Embree alone ------------------------------------------------------------------------------------------------ */
 
-static void raw_closest(RTCScene scene, const tape *t)
+static const int all_lanes[16]
+	__attribute__((aligned(64))) = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
+
+static double cpu_since(double begin)
 {
-	for (size_t i = 0; i < t->closest_count; i++) {
-		gi_ray_hit ray = t->closest[i];
-		struct RTCIntersectContext context;
-		rtcInitIntersectContext(&context);
+	return gi_run_now().thread_seconds - begin;
+}
+
+static double alone_closest(RTCScene scene, const rays *r)
+{
+	double begin = gi_run_now().thread_seconds;
+	struct RTCIntersectContext context;
+	rtcInitIntersectContext(&context);
+	for (size_t i = 0; i < r->count; i++) {
+		gi_ray_hit ray = r->at[i];
 		rtcIntersect1(scene, &context, gi_embree_ray_hit(&ray));
 	}
+	return cpu_since(begin);
 }
 
-static void raw_shadow(RTCScene scene, const tape *t)
+static double alone_closest16(RTCScene scene, const rays *r, enum RTCIntersectContextFlags flags)
 {
-	for (size_t i = 0; i < t->shadow_count; i++) {
-		gi_ray ray = t->shadow[i];
-		struct RTCIntersectContext context;
-		rtcInitIntersectContext(&context);
+	double begin = gi_run_now().thread_seconds;
+	struct RTCIntersectContext context;
+	rtcInitIntersectContext(&context);
+	context.flags = flags;
+	for (size_t i = 0; i < r->count / 16; i++) {
+		gi_ray_hit16 packet = r->packets[i];
+		rtcIntersect16(all_lanes, scene, &context, gi_embree_ray_hit16(&packet));
+	}
+	return cpu_since(begin);
+}
+
+static double alone_any(RTCScene scene, const rays *r)
+{
+	double begin = gi_run_now().thread_seconds;
+	struct RTCIntersectContext context;
+	rtcInitIntersectContext(&context);
+	for (size_t i = 0; i < r->count; i++) {
+		gi_ray ray = r->at[i].ray;
 		rtcOccluded1(scene, &context, gi_embree_ray(&ray));
 	}
+	return cpu_since(begin);
 }
 
-/* Traces the packets of sixteen rays by Embree alone, in their order. */
-static void raw_packets(RTCScene scene, const gi_ray_hit16 *packets, size_t count)
+static double alone_any16(RTCScene scene, const rays *r)
 {
-	static const int valid[16]
-		__attribute__((aligned(64))) = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
-	for (size_t i = 0; i < count; i++) {
-		gi_ray_hit16 rays = packets[i];
-		struct RTCIntersectContext context;
-		rtcInitIntersectContext(&context);
-		context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-		rtcIntersect16(valid, scene, &context, gi_embree_ray_hit16(&rays));
+	double begin = gi_run_now().thread_seconds;
+	struct RTCIntersectContext context;
+	rtcInitIntersectContext(&context);
+	for (size_t i = 0; i < r->count / 16; i++) {
+		gi_ray16 packet = r->packets[i].ray;
+		rtcOccluded16(all_lanes, scene, &context, gi_embree_ray16(&packet));
 	}
+	return cpu_since(begin);
 }
 
-/* ---- the cases --------------------------------------------------------------------------------------------------- */
+/* ---- the renderer's stages --------------------------------------------------------------------------------------- */
 
-static double seconds_since(uint64_t begin)
-{
-	return 1e-9 * (double)(bench_child_now_ns() - begin);
-}
-
-/* Prints rates in million rays a second and their ratio. own, raw: the least times, in seconds, that the renderer and
- * Embree alone took for so many rays. */
-static void report_rates(double rays, double own, double raw)
-{
-	bench_child_metric("stilb", 1e-6 * rays / own);
-	bench_child_metric("embree", 1e-6 * rays / raw);
-	bench_child_metric("ratio", raw / own);
-}
-
-/* The samples of a picture in the renderer's order: tile by tile, in a tile by blocks of 4 x 4 pixels. */
+/* The samples of a picture in the renderer's order: tile by tile, in a tile in Morton order, and all samples of a pixel
+ * together. */
 typedef struct samples {
-	uint16_t x[SIDE * SIDE], y[SIDE * SIDE];
-	gi_point points[SIDE * SIDE];
+	uint16_t x[CAMERA_RAYS], y[CAMERA_RAYS];
+	gi_point points[CAMERA_RAYS];
+	gi_primary found; /* of the batch that was traced last */
 } samples;
+
+/* Every second bit of a Morton code. */
+static uint32_t morton_x(uint32_t code)
+{
+	uint32_t x = 0;
+	for (uint32_t bit = 0; 1u << 2 * bit < TILE * TILE; bit++)
+		x |= (code >> 2 * bit & 1) << bit;
+	return x;
+}
 
 static samples *samples_make(const gi_view *view)
 {
 	samples *s = stilb_memory_alloc(1, sizeof *s);
 	if (!s)
 		bench_child_fail("no memory for the samples");
-	for (uint32_t i = 0; i < SIDE * SIDE; i++) {
-		uint32_t tile = i / GI_BATCH, block = i % GI_BATCH / 16, at = i % 16;
-		s->x[i] = (uint16_t)(tile % (SIDE / 32) * 32 + block % 8 * 4 + at % 4);
-		s->y[i] = (uint16_t)(tile / (SIDE / 32) * 32 + block / 8 * 4 + at / 4);
-		s->points[i] = gi_sampler_point(&view->sampler, s->x[i], s->y[i], 0);
+	for (uint32_t i = 0; i < CAMERA_RAYS; i++) {
+		uint32_t pixel = i / SAMPLES, tile = pixel / (TILE * TILE), at = pixel % (TILE * TILE);
+		s->x[i] = (uint16_t)(tile % (SIDE / TILE) * TILE + morton_x(at));
+		s->y[i] = (uint16_t)(tile / (SIDE / TILE) * TILE + morton_x(at >> 1));
+		s->points[i] = gi_sampler_point(&view->sampler, s->x[i], s->y[i], i % SAMPLES);
 	}
 	return s;
 }
 
-/* Runs the renderer's camera stage (camera rays and the surfaces that they hit) over the picture; returns its time in
- * seconds. */
-static double primary_pass(const gi_view *view, const gi_camera *camera, const samples *s, gi_primary *primary)
+/* Camera rays and the surfaces that they hit. */
+static double own_camera(const gi_view *view, const gi_camera *camera, samples *s)
 {
 	stilb_isa isa;
 	const gi_primary_kernels *kernels =
 		gi_primary_kernels_for(stilb_cpu_isa(&isa) == STILB_OK ? isa : STILB_ISA_SCALAR);
-	uint64_t begin = bench_child_now_ns();
-	for (uint32_t i = 0; i < SIDE * SIDE; i += GI_BATCH) {
+	double begin = gi_run_now().thread_seconds;
+	for (uint32_t i = 0; i < CAMERA_RAYS; i += GI_BATCH) {
 		gi_primary_samples batch = {GI_BATCH, s->x + i, s->y + i, s->points + i};
-		gi_primary_trace(kernels, view, camera, &batch, primary);
+		gi_primary_trace(kernels, view, camera, &batch, &s->found);
 	}
-	return seconds_since(begin);
+	return cpu_since(begin);
 }
 
-/* Packs the tape's rays into packets of sixteen. */
-static gi_ray_hit16 *packets_of(const tape *t)
+/* Shadow rays in batches, from the layout in which the integrators keep them. */
+static double own_shadow(const gi_tracer *tracer, const rays *r, gi_ray *batch, size_t batch_count)
 {
-	gi_ray_hit16 *packets = stilb_memory_alloc(t->closest_count / 16, sizeof *packets);
-	if (!packets)
-		bench_child_fail("no memory for the rays");
-	for (size_t i = 0; i < t->closest_count / 16 * 16; i++) {
-		const gi_ray *from = &t->closest[i].ray;
-		gi_ray16 *to = &packets[i / 16].ray;
-		size_t lane = i % 16;
-		for (int axis = 0; axis < 3; axis++) {
-			to->origin[axis][lane] = from->origin[axis];
-			to->direction[axis][lane] = from->direction[axis];
-		}
-		to->t_min[lane] = from->t_min, to->t_max[lane] = from->t_max, to->time[lane] = from->time;
-		to->mask[lane] = from->mask, to->id[lane] = from->id, to->flags[lane] = from->flags;
-		packets[i / 16].hit.part[lane] = packets[i / 16].hit.instance[lane] = GI_NO_PART;
+	double begin = gi_run_now().thread_seconds;
+	for (size_t first = 0; first < r->count; first += batch_count) {
+		size_t count = r->count - first < batch_count ? r->count - first : batch_count;
+		for (size_t i = 0; i < count; i++)
+			batch[i] = r->at[first + i].ray;
+		tracer->occluded(tracer, batch, (uint32_t)count);
 	}
-	return packets;
+	return cpu_since(begin);
 }
 
-void gi_run_primary(const bench_child *child)
+/* ---- the cases --------------------------------------------------------------------------------------------------- */
+
+/* Least times of passes over the picture's rays, seconds. */
+typedef struct times {
+	double picture, camera, shadow;                                     /* the renderer's */
+	double camera_alone, bounce_alone, shadow_alone, shadow_one_by_one; /* Embree's */
+} times;
+
+static void least_of(double *least, double seconds)
 {
-	gi_run_world world = gi_run_world_make(gi_run_million(), 0);
-	gi_view view = {.scene = world.gi, .settings = stilb_gi_settings_default(world.scene)};
+	*least = *least > 0.0 ? fmin(*least, seconds) : seconds;
+}
+
+/* Prints the rate in million rays a second, and what share of Embree's it is. */
+static void report(const char *rate, const char *share, size_t count, double own, double alone)
+{
+	bench_child_metric(rate, 1e-6 * (double)count / own);
+	bench_child_metric(share, alone / own);
+}
+
+void gi_run_rays(const bench_child *child)
+{
+	const char *name = child->case_name + strlen(GI_RUN_RAYS);
+	gi_run_world world = gi_run_world_make(gi_run_row_scene(name), 0);
+	gi_view view = {.scene = world.gi, .settings = gi_run_cornell(world.scene)};
 	view.settings.width = view.settings.height = SIDE;
-	view.sampler = gi_sampler_make(view.settings.sampler, child->round, 1);
+	view.settings.samples = SAMPLES;
+	view.settings.depth = DEPTH;
+	view.settings.seed = child->round;
+	view.sampler = gi_sampler_make(view.settings.sampler, child->round, SAMPLES);
 	gi_camera camera = gi_camera_make(&view.settings.camera, &view.settings.lens, SIDE, SIDE);
-	gi_primary *primary = stilb_memory_alloc(1, sizeof *primary);
-	if (!primary)
-		bench_child_fail("no memory for a batch");
-
-	tape t = {.behind = world.gi->tracer};
-	world.gi->tracer = (gi_tracer){tape_intersect, tape_intersect16, tape_occluded, &t};
 	samples *all = samples_make(&view);
-	primary_pass(&view, &camera, all, primary);
-	world.gi->tracer = t.behind;
-	if (t.closest_count != (size_t)SIDE * SIDE)
-		bench_child_fail("wrong result: %zu camera rays instead of %u", t.closest_count, SIDE * SIDE);
-	gi_ray_hit16 *packets = packets_of(&t);
-
+	tape t = tape_of(&world, &view.settings);
+	gi_ray *batch = stilb_memory_alloc(t.shadow_call + 1, sizeof *batch);
+	if (!batch)
+		bench_child_fail("no memory for a batch");
 	RTCScene scene = gi_embree_scene(world.gi);
-	double own = (double)INFINITY, raw = (double)INFINITY, spent = 0.0;
-	while (spent < child->seconds) {
-		double a = primary_pass(&view, &camera, all, primary);
-		uint64_t begin = bench_child_now_ns();
-		raw_packets(scene, packets, t.closest_count / 16);
-		double b = seconds_since(begin);
-		own = fmin(own, a);
-		raw = fmin(raw, b);
-		spent += a + b;
-	}
-	report_rates(SIDE * SIDE, own, raw);
-}
-
-void gi_run_path(const bench_child *child)
-{
-	gi_run_world world = gi_run_world_make(gi_run_million(), 0);
-	stilb_gi_settings settings = stilb_gi_settings_default(world.scene);
-	settings.integrator = STILB_GI_INTEGRATOR_PATH;
-	settings.width = settings.height = PATH_SIDE;
-	settings.samples = 1;
-	settings.depth = PATH_DEPTH;
-	settings.seed = child->round;
-	tape t = record(&world, &settings);
-	RTCScene scene = gi_embree_scene(world.gi);
-	double own = (double)INFINITY, raw = (double)INFINITY, spent = 0.0;
-	while (spent < child->seconds) {
-		gi_run_picture picture = gi_run_render(&world, &settings);
-		if (picture.rays != t.closest_count + t.shadow_count)
-			bench_child_fail("wrong result: the renderer counted %llu rays, %zu were recorded",
-			                 (unsigned long long)picture.rays, t.closest_count + t.shadow_count);
-		uint64_t begin = bench_child_now_ns();
-		raw_closest(scene, &t);
-		raw_shadow(scene, &t);
-		double b = seconds_since(begin);
-		own = fmin(own, picture.seconds);
-		raw = fmin(raw, b);
-		spent += picture.seconds + b;
+	times l = {0};
+	double begin = gi_run_now().seconds;
+	for (uint32_t pass = 0; pass < PASSES || gi_run_now().seconds - begin < child->seconds; pass++) {
+		gi_run_picture picture = gi_run_render(&world, &view.settings);
+		least_of(&l.picture, picture.thread_seconds);
 		gi_run_picture_finish(&picture);
+		least_of(&l.camera_alone, alone_closest(scene, &t.camera));
+		least_of(&l.camera_alone, alone_closest16(scene, &t.camera, RTC_INTERSECT_CONTEXT_FLAG_COHERENT));
+		least_of(&l.camera, own_camera(&view, &camera, all));
+		least_of(&l.bounce_alone, alone_closest(scene, &t.bounce));
+		least_of(&l.bounce_alone, alone_closest16(scene, &t.bounce, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT));
+		least_of(&l.shadow_one_by_one, alone_any(scene, &t.shadow));
+		least_of(&l.shadow_alone, alone_any16(scene, &t.shadow));
+		least_of(&l.shadow, own_shadow(&world.gi->tracer, &t.shadow, batch, t.shadow_call));
 	}
-	double rays = (double)(t.closest_count + t.shadow_count);
-	report_rates(rays, own, raw);
-	bench_child_metric("shadow", 100.0 * (double)t.shadow_count / rays);
+	l.shadow_alone = fmin(l.shadow_alone, l.shadow_one_by_one);
+	size_t count = t.camera.count + t.bounce.count + t.shadow.count;
+	report("path", "path-share", count, l.picture, l.camera_alone + l.bounce_alone + l.shadow_alone);
+	report("primary", "primary-share", t.camera.count, l.camera, l.camera_alone);
+	report("shadow", "shadow-share", t.shadow.count, l.shadow, l.shadow_alone);
+	bench_child_metric("shadow-one", 1e-6 * (double)t.shadow.count / l.shadow_one_by_one);
+	bench_child_metric("bounce-alone", 1e-6 * (double)t.bounce.count / l.bounce_alone);
 }

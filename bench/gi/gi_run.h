@@ -15,8 +15,9 @@ void gi_run_check(stilb_result result, const char *what);
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
-/* Creates a closed box of 20 m with 27 bumpy balls and an emitting ceiling: 1,037,244 triangles. */
-stilb_scene *gi_run_million(void);
+/* Creates a closed box of 20 m with 27 bumpy balls and an emitting ceiling: 108 rings^2 + 12 triangles. */
+stilb_scene *gi_run_balls(uint32_t rings);
+stilb_scene *gi_run_million(void); /* 1,037,244 triangles */
 
 /* A scene with the threads that trace it. */
 typedef struct gi_run_world {
@@ -36,12 +37,13 @@ void gi_run_world_finish(gi_run_world *world);
 /* Linear Rec.709, three floats for each pixel, row 0 at the top. */
 typedef struct gi_run_picture {
 	float *rgb;
-	double seconds, cpu_seconds; /* cpu_seconds: of all threads */
+	double seconds, cpu_seconds, thread_seconds; /* CPU time of all threads, and of the caller */
 	uint64_t rays, records;
 } gi_run_picture;
 
 typedef struct gi_run_clock {
-	double seconds, cpu_seconds; /* cpu_seconds: of this process */
+	double seconds, cpu_seconds; /* cpu_seconds: of this process; stilb-bench limits it, so it is counted in ticks */
+	double thread_seconds;       /* CPU time of this thread, to the nanosecond */
 } gi_run_clock;
 gi_run_clock gi_run_now(void);
 
@@ -104,7 +106,7 @@ static inline uint32_t gi_run_find(const float *sums, uint32_t count, float u)
 
 /* ---- the cases --------------------------------------------------------------------------------------------------- */
 
-/* The scene of a row, by the case's name. */
+/* The scene of a row, by the case's name; of "million", gi_run_million. */
 stilb_scene *gi_run_row_scene(const char *name);
 void gi_run_row(const bench_child *child);
 
@@ -116,7 +118,8 @@ void gi_run_choice(const bench_child *child);
 void gi_run_build(const bench_child *child);
 
 void gi_run_move(const bench_child *child);
-void gi_run_primary(const bench_child *child);
-void gi_run_path(const bench_child *child);
+
+#define GI_RUN_RAYS "rays-" /* how the names of cases begin that gi_run_rays runs; a row's name or "million" follows */
+void gi_run_rays(const bench_child *child);
 
 #endif

@@ -319,7 +319,7 @@ stilb_scene *gi_run_row_scene(const char *name)
 		void (*make)(stilb_scene_build *build);
 	} own[] = {{"panorama", panorama}, {"mixed", mixed},   {"door", door},
 	           {"metals", metals},     {"lights", lights}, {"foliage", foliage}};
-	stilb_scene *scene = NULL;
+	stilb_scene *scene = strcmp(name, "million") == 0 ? gi_run_million() : NULL;
 	for (size_t i = 0; i < sizeof own / sizeof *own; i++)
 		if (strcmp(name, own[i].name) == 0) {
 			stilb_scene_build *build = stilb_scene_build_begin();

@@ -417,7 +417,7 @@ static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_pl
 	part->mirrored = part->instance && is_mirrored(&part->to_world);
 	part->surface = surface_read(gi, material, mesh);
 	part_passes(gi, part);
-	part->plain = !part->instance && !material->diffuse_texture && !part->surface;
+	part->plain = !material->diffuse_texture && !part->surface;
 	for (int i = 0; i < 3; i++)
 		part->albedo[i] = material->diffuse[i] + material->specular[i];
 	if (plan->emits) {

@@ -48,7 +48,7 @@ typedef struct gi_part {
 	bool hidden;          /* rays do not see it */
 	bool passes;          /* light goes through it: gi_through.h */
 	bool mirrored;        /* an instance whose to_world turns right hands into left ones */
-	bool plain;           /* neither an instance nor textured: gi_primary shades it without calling gi_surface_at */
+	bool plain;           /* not textured: gi_primary shades it without calling gi_surface_at */
 	float albedo[4];      /* of a plain part: diffuse + specular */
 	float stretch;        /* of an instance: upper bound of the factor by which to_world lengthens a vector */
 	stilb_mat4 to_world;

@@ -97,7 +97,8 @@ static void check_furnace(const stilb_numeric_row *row)
 			gi_surface surface = make_surface(0.0f, 1.0f, roughnesses[r], anisotropy);
 			if (row->model.kind == SHADE_BRDF_LAMBERT)
 				surface.diffuse = surface.specular;
-			gi_bsdf bsdf = gi_bsdf_make(&row->model, &surface, direction_at(view));
+			gi_bsdf bsdf;
+			gi_bsdf_make(&row->model, &surface, direction_at(view), &bsdf);
 			estimate albedo = {0};
 			for (int i = 0; i < 2000; i++) {
 				gi_bsdf_sample chosen;
@@ -130,7 +131,8 @@ static void check_samples(const stilb_numeric_row *row)
 	shade_proof_random random = {.seed = 5};
 	estimate projected = {0};
 	gi_surface surface = make_surface(0.4f, 0.5f, 0.4f, 0.3f);
-	gi_bsdf bsdf = gi_bsdf_make(&row->model, &surface, direction_at((stilb_numeric_angles){0.9, 2.0}));
+	gi_bsdf bsdf;
+	gi_bsdf_make(&row->model, &surface, direction_at((stilb_numeric_angles){0.9, 2.0}), &bsdf);
 	for (int i = 0; i < 4000; i++) {
 		gi_bsdf_sample chosen;
 		if (!draw(&bsdf, &random, &chosen)) {
@@ -158,7 +160,8 @@ static void diffuse_weights_are_the_reflectance(void **state)
 	(void)state;
 	shade_proof_random random = {.seed = 9};
 	gi_surface surface = make_surface(0.37f, 0.0f, 0.5f, 0.0f);
-	gi_bsdf bsdf = gi_bsdf_make(&lambert, &surface, test_normal());
+	gi_bsdf bsdf;
+	gi_bsdf_make(&lambert, &surface, test_normal(), &bsdf);
 	for (int i = 0; i < 1000; i++) {
 		gi_bsdf_sample chosen;
 		if (!draw(&bsdf, &random, &chosen))
@@ -180,7 +183,9 @@ static void check_reciprocity(const stilb_numeric_row *row)
 		gi_surface surface = make_surface(takes ? 0.0f : 0.3f, 0.6f, shade_proof_range(&random, 0.1f, 1.0f), 0.3f);
 		stilb_vec3 v = shade_proof_random_above(&random, test_normal());
 		stilb_vec3 l = shade_proof_random_above(&random, test_normal());
-		gi_bsdf to_v = gi_bsdf_make(&row->model, &surface, v), to_l = gi_bsdf_make(&row->model, &surface, l);
+		gi_bsdf to_v, to_l;
+		gi_bsdf_make(&row->model, &surface, v, &to_v);
+		gi_bsdf_make(&row->model, &surface, l, &to_l);
 		double there = (double)(gi_bsdf_cos(&to_v, l)[0] / stilb_vec3_dot(test_normal(), l));
 		double back = (double)(gi_bsdf_cos(&to_l, v)[0] / stilb_vec3_dot(test_normal(), v));
 		largest = fmax(largest, fabs(there - back) / fmax(there, back));
@@ -206,7 +211,8 @@ static void nothing_comes_from_below(void **state)
 		gi_surface surface = make_surface(0.5f, 0.3f, 0.8f, 0.0f);
 		surface.geometric = stilb_vec3_normalize(test_normal() + shade_proof_random_direction(&random) * 0.5f);
 		stilb_vec3 v = shade_proof_random_above(&random, surface.geometric);
-		gi_bsdf bsdf = gi_bsdf_make(i % 2 ? &ggx : &lambert, &surface, v);
+		gi_bsdf bsdf;
+		gi_bsdf_make(i % 2 ? &ggx : &lambert, &surface, v, &bsdf);
 		stilb_vec3 l = shade_proof_random_direction(&random), f = gi_bsdf_cos(&bsdf, l);
 		if (stilb_vec3_dot(l, surface.geometric) <= 0.0f || stilb_vec3_dot(l, surface.normal) <= 0.0f)
 			assert_true(f[0] == 0.0f && f[1] == 0.0f && f[2] == 0.0f);
@@ -338,7 +344,8 @@ static void layers_are_as_the_header_says(void **state)
 			gi_surface surface = layered_surface(&layers_rows[r]);
 			stilb_vec3 v = shade_proof_random_above(&random, test_normal());
 			stilb_vec3 l = shade_proof_random_direction(&random);
-			gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, v);
+			gi_bsdf bsdf;
+			gi_bsdf_make(&ggx_schlick, &surface, v, &bsdf);
 			stilb_vec3 got = gi_bsdf_cos(&bsdf, l), wanted = layers_wanted(&surface, l, v);
 			for (int c = 0; c < 3; c++)
 				SHADE_PROOF_NEAR(got[c], wanted[c], 1e-3, 1e-6);
@@ -353,7 +360,8 @@ static void layers_are_sampled_as_their_density_says(void **state)
 	shade_proof_random random = {.seed = 19};
 	for (size_t r = 0; r < LAYERS_ROWS; r++) {
 		gi_surface surface = layered_surface(&layers_rows[r]);
-		gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, direction_at((stilb_numeric_angles){0.9, 2.0}));
+		gi_bsdf bsdf;
+		gi_bsdf_make(&ggx_schlick, &surface, direction_at((stilb_numeric_angles){0.9, 2.0}), &bsdf);
 		estimate density = {0}, sampled = {0}, even = {0}, kept = {0};
 		for (int i = 0; i < 40000; i++) {
 			stilb_vec3 l = shade_proof_random_direction(&random);
@@ -396,7 +404,8 @@ static void smooth_glass_refracts(void **state)
 		gi_surface surface = layered_surface(&row);
 		surface.layers.through = stilb_vec3_make(1.0f, 1.0f, 1.0f);
 		stilb_vec3 v = direction_at((stilb_numeric_angles){polar, 0.7}), n = test_normal();
-		gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, v);
+		gi_bsdf bsdf;
+		gi_bsdf_make(&ggx_schlick, &surface, v, &bsdf);
 		double sine = eta * sin(polar), share = 1.0;
 		if (sine < 1.0)
 			share = 0.04 + 0.96 * pow(1.0 - (inside ? sqrt(1.0 - sine * sine) : cos(polar)), 5);
@@ -442,7 +451,8 @@ static void layers_make_no_light(void **state)
 			row.inside = i % 8 == 7;
 		}
 		gi_surface surface = layered_surface(&row);
-		gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, direction_at((stilb_numeric_angles){polars[i % 5], 0.7}));
+		gi_bsdf bsdf;
+		gi_bsdf_make(&ggx_schlick, &surface, direction_at((stilb_numeric_angles){polars[i % 5], 0.7}), &bsdf);
 		estimate albedo = {0};
 		for (int k = 0; k < 4000; k++) {
 			gi_bsdf_sample chosen;

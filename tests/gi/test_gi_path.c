@@ -124,7 +124,7 @@ static bool first_vertex_of(const gi_view *view, const path_samples *samples, ui
 		return false;
 	gi_surface surface;
 	gi_surface_at(view->scene, camera, &surface);
-	vertex->bsdf = gi_bsdf_make(&view->settings.model, &surface, -gi_ray_direction(&camera->ray));
+	gi_bsdf_make(&view->settings.model, &surface, -gi_ray_direction(&camera->ray), &vertex->bsdf);
 	vertex->origin = gi_surface_ray_origin(&surface, surface.geometric);
 	gi_sample_8(&view->sampler, samples->points[i], GI_DIMENSION_OF(0), vertex->numbers);
 	return true;
@@ -144,7 +144,7 @@ static stilb_vec3 found_by_bsdf(const gi_view *view, const first_vertex *vertex)
 	bool hit = gi_is_hit(&ray);
 	if (hit)
 		gi_surface_at(view->scene, &ray, &surface);
-	return chosen.weight * gi_direct_found(view, (gi_direct_left){.pdf = 0.0f}, &ray, hit ? &surface : NULL);
+	return chosen.weight * gi_direct_found(view, &(gi_direct_left){.pdf = 0.0f}, &ray, hit ? &surface : NULL);
 }
 
 /* By asking lights alone. */

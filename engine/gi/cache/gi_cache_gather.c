@@ -56,7 +56,8 @@ static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker,
 	const gi_ray_hit *ray = &worker->rays[i];
 	gi_surface surface;
 	gi_surface_at(view->scene, ray, &surface);
-	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, &surface, -gi_ray_direction(&ray->ray));
+	gi_bsdf bsdf;
+	gi_bsdf_make(&view->settings.model, &surface, -gi_ray_direction(&ray->ray), &bsdf);
 	stilb_vec3 irradiance = {0};
 	if (bsdf.share > 0.0f || (gi_cache_wants(&surface) && !gi_cache_find(cache, &surface, &irradiance)))
 		return false;

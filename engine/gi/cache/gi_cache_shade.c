@@ -129,7 +129,8 @@ static void sample_surface(gi_batch *batch, uint32_t sample, gi_surface *surface
 		return;
 	float numbers[8];
 	gi_sample_8(&view->sampler, batch->points[sample], GI_DIMENSION_OF(0), numbers);
-	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, surface, -gi_ray_direction(&batch->rays[sample].ray));
+	gi_bsdf bsdf;
+	gi_bsdf_make(&view->settings.model, surface, -gi_ray_direction(&batch->rays[sample].ray), &bsdf);
 	if (bsdf.share > 0.0f) {
 		bsdf.share = 1.0f;
 		want_highlight(batch, sample, surface, &bsdf, numbers);
@@ -181,7 +182,7 @@ static stilb_vec3 branch_found(const gi_view *view, const cache_branch *branch, 
 	bool hit = gi_is_hit(ray);
 	if (hit)
 		gi_surface_at(view->scene, ray, &surface);
-	return branch->shown * gi_direct_found(view, branch->left, ray, hit ? &surface : NULL);
+	return branch->shown * gi_direct_found(view, &branch->left, ray, hit ? &surface : NULL);
 }
 
 static void trace_branches(gi_batch *batch)

@@ -108,8 +108,8 @@ static void lanes_store(stilb_vec4 four, float *to)
 }
 
 /* Writes a lane's reflectance and its interpolated normal, not yet unit, with the texture coordinate u in [3], because
- * the vertices are loaded as whole vectors. True if the part is plain (neither an instance nor textured), so that these
- * are final; else lanes_rare writes them again. */
+ * the vertices are loaded as whole vectors. True if the part is plain (not textured), so that these are final; else
+ * lanes_rare writes them again. */
 static bool lanes_row(const gi_primary_packet *packet, uint32_t lane, float albedo[4], float normal[4])
 {
 	const gi_part *part = packet->parts[lane];
@@ -121,16 +121,22 @@ static bool lanes_row(const gi_primary_packet *packet, uint32_t lane, float albe
 	const uint32_t *index = packet->triangles[lane]->vertex;
 	stilb_vec4 a = lanes_four(part->vertices[index[0]].normal);
 	stilb_vec4 b = lanes_four(part->vertices[index[1]].normal) - a, c = lanes_four(part->vertices[index[2]].normal) - a;
-	lanes_store(a + (b * packet->rays.hit.u[lane] + c * packet->rays.hit.v[lane]), normal);
+	stilb_vec4 n = a + (b * packet->rays.hit.u[lane] + c * packet->rays.hit.v[lane]);
+	const float *m = part->normal_to_world;
+	if (part->instance)
+		n = (stilb_vec4){m[0], m[1], m[2]} * n[0] + (stilb_vec4){m[3], m[4], m[5]} * n[1] +
+		    (stilb_vec4){m[6], m[7], m[8]} * n[2];
+	lanes_store(n, normal);
 	lanes_store(lanes_four(part->albedo), albedo);
 	return part->plain;
 }
 
-/* Makes the normals unit and flips them to the geometric normal's side, which faces the viewer. False if some lane
- * needs what only gi_surface_at does: it has no normal, or one that faces away from the viewer. */
-static bool lanes_normals(const gi_ray_hit16 *rays, float normals[3][16])
+/* Makes the normals unit and flips them to the geometric normal's side, which faces the viewer. Marks the lanes that
+ * need what only gi_surface_at does, as they have no normal, or one that faces away from the viewer; true if there are
+ * some. */
+static bool lanes_normals(const gi_ray_hit16 *rays, float normals[3][16], int32_t rare[16])
 {
-	int32_t more = 0;
+	int32_t some = 0;
 	for (int i = 0; i < 16; i++) {
 		float x = normals[0][i], y = normals[1][i], z = normals[2][i];
 		float dx = rays->ray.direction[0][i], dy = rays->ray.direction[1][i], dz = rays->ray.direction[2][i];
@@ -143,9 +149,10 @@ static bool lanes_normals(const gi_ray_hit16 *rays, float normals[3][16])
 		normals[0][i] = x *= side;
 		normals[1][i] = y *= side;
 		normals[2][i] = z *= side;
-		more |= (!miss) & (none | !(-(x * dx + y * dy + z * dz) >= GI_NORMAL_LOWEST));
+		rare[i] |= (!miss) & (none | !(-(x * dx + y * dy + z * dz) >= GI_NORMAL_LOWEST));
+		some |= rare[i];
 	}
-	return !more;
+	return some;
 }
 
 /* Infinite where nothing was hit up to the far plane. */
@@ -173,17 +180,17 @@ static void lanes_surfaces(const stilb_gi_scene *scene, const gi_camera *camera,
 {
 	STILB_ASSERT(first % 16 == 0 && first < GI_BATCH);
 	float normals[4][16];
-	bool plain = true;
+	int32_t rare[16];
 	for (uint32_t lane = 0; lane < 16; lane++)
-		plain &= lanes_row(packet, lane, out->albedo[first + lane], out->normal[first + lane]);
+		rare[lane] = !lanes_row(packet, lane, out->albedo[first + lane], out->normal[first + lane]);
 	for (uint32_t lane = 0; lane < 16; lane += 4)
 		gi_packet_gather(out->normal[first + lane], sizeof *out->normal, &normals[0][lane]);
-	plain &= lanes_normals(&packet->rays, normals);
+	bool some = lanes_normals(&packet->rays, normals, rare);
 	gi_packet_scatter_all(normals, out->normal[first], sizeof *out->normal);
 	lanes_depths(camera, &packet->rays, out->depth + first);
 	gi_packet_store_hits(&packet->rays, out->rays + first);
-	for (uint32_t lane = 0; !plain && lane < 16; lane++)
-		if (packet->parts[lane])
+	for (uint32_t lane = 0; some && lane < 16; lane++)
+		if (rare[lane])
 			lanes_rare(scene, first + lane, out);
 }
 

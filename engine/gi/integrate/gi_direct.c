@@ -93,22 +93,23 @@ uint32_t gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 orig
 	                       shadows, direct);
 }
 
-stilb_vec3 gi_direct_found(const gi_view *view, gi_direct_left left, const gi_ray_hit *ray, const gi_surface *surface)
+stilb_vec3 gi_direct_found(const gi_view *view, const gi_direct_left *left, const gi_ray_hit *ray,
+                           const gi_surface *surface)
 {
 	STILB_ASSERT(surface ? gi_is_hit(ray) : !gi_is_hit(ray));
 	const gi_lights *lights = gi_view_lights(view);
 	if (!surface) {
 		stilb_vec3 direction = gi_ray_direction(&ray->ray), radiance = gi_environment_radiance(lights, direction);
-		if (left.pdf == 0.0f)
+		if (left->pdf == 0.0f)
 			return radiance;
-		bool all = left.beside != GI_DIRECT_WITH_RAY;
-		return radiance * mis_weight(left.pdf, gi_environment_pdf(lights, left.normal, direction, all));
+		bool all = left->beside != GI_DIRECT_WITH_RAY;
+		return radiance * mis_weight(left->pdf, gi_environment_pdf(lights, left->normal, direction, all));
 	}
 	const gi_part *part = &view->scene->parts[surface->part];
-	if (left.pdf == 0.0f || part->first_light == GI_NO_LIGHT || !surface->front)
+	if (left->pdf == 0.0f || part->first_light == GI_NO_LIGHT || !surface->front)
 		return surface->emission;
 	STILB_ASSERT(surface->part == ray->hit.part && surface->triangle == ray->hit.triangle);
-	float asked = gi_light_pdf(lights, gi_ray_origin(&ray->ray), left.normal, part->first_light + surface->triangle,
+	float asked = gi_light_pdf(lights, gi_ray_origin(&ray->ray), left->normal, part->first_light + surface->triangle,
 	                           ray->ray.t_max);
-	return surface->emission * mis_weight(left.pdf, asked);
+	return surface->emission * mis_weight(left->pdf, asked);
 }

@@ -52,6 +52,7 @@ static inline gi_direct_left gi_direct_leave(const gi_bsdf *bsdf, const gi_bsdf_
 
 /* Emission that a traced ray found, with its MIS weight against gi_direct_ask: of surface, or of the surroundings if
  * surface is NULL, which it is for a miss. */
-stilb_vec3 gi_direct_found(const gi_view *view, gi_direct_left left, const gi_ray_hit *ray, const gi_surface *surface);
+stilb_vec3 gi_direct_found(const gi_view *view, const gi_direct_left *left, const gi_ray_hit *ray,
+                           const gi_surface *surface);
 
 #endif

@@ -101,7 +101,7 @@ static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_poin
 		radiance += at.surface.unlit;
 	if (vertex == view->settings.depth)
 		return radiance;
-	at.bsdf = gi_bsdf_make(&view->settings.model, &at.surface, -direction);
+	gi_bsdf_make(&view->settings.model, &at.surface, -direction, &at.bsdf);
 	if (!indirect || vertex > 0)
 		radiance += light_of_list(batch, &at);
 	stilb_vec3 sum = stilb_vec3_make(0.0f, 0.0f, 0.0f);

@@ -18,6 +18,7 @@
 #include "base/glsl_types.h"
 
 #define VERTICES 32       /* that are shaded together: their data fits into the first-level cache */
+#define CACHED 16384      /* bytes of a scene's triangles and vertices that stay in the first-level cache */
 #define ROULETTE_BOUNCE 3 /* first bounce at which a path may end by Russian roulette */
 /* The probability of surviving is this times the square root of the throughput; measured in the Cornell box. */
 #define ROULETTE_SCALE 1.15f
@@ -94,11 +95,10 @@ static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 	bool hit = gi_is_hit(ray);
 	if (hit)
 		gi_surface_at(wave->view->scene, ray, surface);
-	if (wave->bounce >= wave->emission_from)
-		wave->radiance[path->slot] +=
-			path->throughput * gi_direct_found(wave->view,
-		                                       (gi_direct_left){path->normal, path->pdf, GI_DIRECT_WITH_RAY}, ray,
-		                                       hit ? surface : NULL);
+	if (wave->bounce >= wave->emission_from) {
+		gi_direct_left left = {path->normal, path->pdf, GI_DIRECT_WITH_RAY};
+		wave->radiance[path->slot] += path->throughput * gi_direct_found(wave->view, &left, ray, hit ? surface : NULL);
+	}
 	if (hit && wave->vertex == 0 && wave->emission_from == 0)
 		wave->radiance[path->slot] += surface->unlit;
 	return hit && wave->bounce < wave->depth && reflects(surface);
@@ -161,7 +161,7 @@ static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count,
 	for (uint32_t k = 0; k < live; k++) {
 		path_vertex *vertex = &vertices[k];
 		stilb_vec3 to_viewer = -gi_ray_direction(&wave->rays[vertex->path].ray);
-		vertex->bsdf = gi_bsdf_make(&view->settings.model, &vertex->surface, to_viewer);
+		gi_bsdf_make(&view->settings.model, &vertex->surface, to_viewer, &vertex->bsdf);
 		vertex->origin = gi_surface_ray_origin(&vertex->surface, vertex->surface.geometric);
 	}
 	if (wave->bounce + 1 >= wave->direct_from)
@@ -202,13 +202,18 @@ static void wave_shade(path_wave *wave)
 {
 	PROFILE("gi.shade");
 	uint32_t kept = 0;
-	wave_fetch_triangles(wave, 0);
-	wave_fetch_triangles(wave, VERTICES);
-	wave_fetch_vertices(wave, 0);
+	bool large = wave->view->scene->own_bytes > CACHED;
+	if (large) {
+		wave_fetch_triangles(wave, 0);
+		wave_fetch_triangles(wave, VERTICES);
+		wave_fetch_vertices(wave, 0);
+	}
 	for (uint32_t first = 0; first < wave->count; first += VERTICES) {
 		uint32_t rest = wave->count - first;
-		wave_fetch_triangles(wave, first + 2 * VERTICES);
-		wave_fetch_vertices(wave, first + VERTICES);
+		if (large) {
+			wave_fetch_triangles(wave, first + 2 * VERTICES);
+			wave_fetch_vertices(wave, first + VERTICES);
+		}
 		kept = wave_shade_some(wave, first, rest < VERTICES ? rest : VERTICES, kept);
 	}
 	wave->count = kept;

@@ -51,7 +51,7 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 		weight *= gi_through_intersect(view->scene, &ray, &batch->rays_traced);
 	if (gi_is_hit(&ray))
 		gi_surface_at(view->scene, &ray, &found);
-	return weight * gi_direct_found(view, left, &ray, gi_is_hit(&ray) ? &found : NULL);
+	return weight * gi_direct_found(view, &left, &ray, gi_is_hit(&ray) ? &found : NULL);
 }
 
 /* Light that sample i sees without a shadow ray: emission, and what the highlight's own ray finds. Adds a shadow ray
@@ -66,7 +66,8 @@ static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t
 		return gi_environment_radiance(&view->scene->lights, direction);
 	gi_surface surface;
 	gi_surface_at(view->scene, ray, &surface);
-	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, &surface, -direction);
+	gi_bsdf bsdf;
+	gi_bsdf_make(&view->settings.model, &surface, -direction, &bsdf);
 	if (view->settings.no_shadows)
 		bsdf.geometric = bsdf.frame.n; /* the triangle itself hides nothing either */
 	float numbers[GI_DIMENSIONS_VERTEX];

@@ -309,34 +309,33 @@ static __attribute__((noinline)) bool layered_sample(const gi_bsdf *bsdf, float 
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-gi_bsdf gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer)
+void gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer, gi_bsdf *bsdf)
 {
 	STILB_ASSERT(model->kind >= 0 && model->kind < SHADE_BRDF_COUNT);
 	stilb_vec3 n = surface->normal, specular = surface->specular;
-	gi_bsdf bsdf; /* fields that a diffuse surface does not need are left uninitialised: this runs at every vertex */
+	/* Fields that a diffuse surface does not need are left uninitialised: this runs at every vertex. */
 	if (surface->layered) {
-		layered_make(model, surface, to_viewer, &bsdf); /* in place: a copy of those fields would cost more than all */
-		return bsdf;
+		layered_make(model, surface, to_viewer, bsdf);
+		return;
 	}
-	bsdf.geometric = surface->geometric;
-	bsdf.diffuse = surface->diffuse;
-	bsdf.share = 0.0f;
+	bsdf->geometric = surface->geometric;
+	bsdf->diffuse = surface->diffuse;
+	bsdf->share = 0.0f;
 	if (!has_highlight(model) || !(specular[0] + specular[1] + specular[2] > 0.0f)) {
-		bsdf.frame = shade_frame_from_normal(n);
-		return bsdf;
+		bsdf->frame = shade_frame_from_normal(n);
+		return;
 	}
 	/* The tangent is cross(up, n), as in the real-time renderer, so that anisotropic highlights look the same. */
-	bsdf.frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
-	bsdf.to_viewer = to_viewer;
-	bsdf.local = shade_frame_to_local(bsdf.frame, to_viewer);
-	bsdf.model = *model;
-	bsdf.highlight = (shade_brdf_parameters){
+	bsdf->frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
+	bsdf->to_viewer = to_viewer;
+	bsdf->local = shade_frame_to_local(bsdf->frame, to_viewer);
+	bsdf->model = *model;
+	bsdf->highlight = (shade_brdf_parameters){
 		.specular = specular, .roughness = surface->roughness, .anisotropy = surface->anisotropy};
-	if (bsdf.diffuse[0] + bsdf.diffuse[1] + bsdf.diffuse[2] > 0.0f)
-		bsdf.diffuse *= shade_brdf_diffuse_left(*model, bsdf.local[2], surface->roughness);
-	bsdf.share = highlight_share(&bsdf);
-	bsdf.layers = NULL;
-	return bsdf;
+	if (bsdf->diffuse[0] + bsdf->diffuse[1] + bsdf->diffuse[2] > 0.0f)
+		bsdf->diffuse *= shade_brdf_diffuse_left(*model, bsdf->local[2], surface->roughness);
+	bsdf->share = highlight_share(bsdf);
+	bsdf->layers = NULL;
 }
 
 /* Of a direction that the surface sees. */

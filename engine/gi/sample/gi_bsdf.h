@@ -29,8 +29,9 @@ typedef struct gi_bsdf {
 /* SHADE_BRDF_LAMBERT and SHADE_BRDF_WRAPPED have no highlight. The light that WRAPPED adds beyond Lambert's is left
  * out: it comes from below the surface, which an opaque surface does not see. A surface that is brushed has
  * SHADE_NDF_GGX_ANISOTROPIC in place of SHADE_NDF_GGX; other models show no brushing. surface must stay. Its lobes are
- * written if it is layered: so a gi_bsdf, which is made at every vertex, need not carry them. */
-gi_bsdf gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer);
+ * written if it is layered: so a gi_bsdf, which is made at every vertex, need not carry them. It is made in place, as a
+ * copy would read whole vectors whose parts have just been stored (gi_ray.h). */
+void gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer, gi_bsdf *bsdf);
 
 /* Its layers; NULL: there are none. */
 static inline const gi_layers *gi_bsdf_layers(const gi_bsdf *bsdf)

@@ -52,12 +52,13 @@ static_assert(offsetof(gi_ray_hit, hit) == sizeof(float[12]) && sizeof(gi_ray_hi
 static_assert(offsetof(gi_ray_hit16, hit) == sizeof(float[12][16]) && sizeof(gi_ray_hit16) == sizeof(float[20][16]),
               "8 rows of 16 lanes");
 
-/* Sixteen rays into a packet. */
-static inline void gi_packet_load_rays(const gi_ray rays[16], gi_ray16 *packet)
+/* Sixteen rays, stride bytes apart, into a packet. */
+static inline void gi_packet_load_rays(const gi_ray *rays, size_t stride, gi_ray16 *packet)
 {
 	for (size_t lane = 0; lane < 16; lane += 4)
 		for (size_t row = 0; row < 12; row += 4)
-			gi_packet_gather((const char *)&rays[lane] + row * 4, sizeof *rays, (char *)packet + row * 64 + lane * 4);
+			gi_packet_gather((const char *)rays + lane * stride + row * 4, stride,
+			                 (char *)packet + row * 64 + lane * 4);
 }
 
 #ifdef __AVX512F__

@@ -48,7 +48,8 @@ static double sent_to(gi_surface *surface, float n_dot_v, int samples)
 {
 	stilb_vec3 v =
 		stilb_vec3_make(sqrtf(1.0f - n_dot_v * n_dot_v) * 0.8f, sqrtf(1.0f - n_dot_v * n_dot_v) * 0.6f, n_dot_v);
-	gi_bsdf bsdf = gi_bsdf_make(&model, surface, v);
+	gi_bsdf bsdf;
+	gi_bsdf_make(&model, surface, v, &bsdf);
 	double sum = 0.0, a[3] = {0.5, 0.5, 0.5};
 	for (int i = 0; i < samples; i++) {
 		/* Source: Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences" (2018): R3. */
