@@ -327,6 +327,8 @@ static void reflection_divides_by_four_v_dot_h(void **state)
 	(void)state;
 	stilb_vec3 any = stilb_vec3_make(0.6f, 0.0f, 0.8f);
 	SHADE_PROOF_NEAR3(shade_half_vector(any, -any), 0.0, 0.0, 1.0, 0.0, 0.0);
+	assert_true(shade_pdf_ggx((shade_alphas){0.01f, 0.01f}, any, -any) == 0.0f);
+	assert_true(shade_pdf_blinn_phong(100.0f, any, -any) == 0.0f);
 	shade_proof_random random = {5, 0};
 	for (int i = 0; i < 3000; i++) {
 		lobe on = random_lobe(&random, 0.1f, 50.0f);
@@ -339,6 +341,7 @@ static void reflection_divides_by_four_v_dot_h(void **state)
 		double v_dot_h = fabs(dot_exact(on.v, h)), n = (double)on.n, d = ggx_exact(&on, h);
 		SHADE_PROOF_NEAR3(shade_half_vector(on.v, l), h[0], h[1], h[2], 0.0, 2e-6);
 		SHADE_PROOF_NEAR(shade_pdf_reflected(3.0f, -(float)v_dot_h), 0.75 / v_dot_h, 1e-6, 0.0);
+		SHADE_PROOF_NEAR(shade_pdf_mirrored(3.0f, on.v, l), 0.75 / v_dot_h, 1e-4, 0.0);
 		SHADE_PROOF_NEAR(shade_pdf_ggx(on.alphas, on.v, l), d * h[2] / (4.0 * v_dot_h), 1e-4, 1e-6);
 		double visible = below < 0.0 ? 0.0 : d * ggx_g1_exact(&on) / (double)on.v[2] / 4.0;
 		SHADE_PROOF_NEAR(shade_pdf_ggx_visible(on.alphas, on.v, l), visible, 1e-4, 1e-6);
