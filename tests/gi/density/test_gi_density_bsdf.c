@@ -2,6 +2,7 @@
  * roughness, view and tilted triangles: support/chi_square.h. With the argument "long" more of each. */
 #include "support/chi_square.h"
 
+#include "gi/integrate/gi_direct.h"
 #include "gi/sample/gi_bsdf.h"
 #include "numeric/numeric_catalog.h"
 
@@ -177,6 +178,41 @@ static void layers_are_chosen_as_their_density_says(void **state)
 	chi_square_end(&family);
 }
 
+/* Which side of a wall asks lights, and what is left of the number that chose it, which chooses the light. */
+static void sides_ask_as_often_as_they_say(void **state)
+{
+	(void)state;
+	enum { PARTS = 8 };
+	shade_brdf_model model = stilb_numeric_catalog_find("ggx_smith_ggx")->model;
+	chi_square_family family = chi_square_family_of(is_long ? 60 : 12);
+	for (uint32_t i = 0; i < family.planned; i++) {
+		shade_proof_random random = {.seed = 2000 + i};
+		gi_surface surface = layered_surface(&random, (int)(i % SOLIDITIES));
+		scatter s = scatter_of(&model, &surface, shade_proof_range(&random, 0.0f, 1.4f));
+		const gi_lobes *lobes = &s.bsdf.layers->lobes;
+		double expected[2 * PARTS + 1] = {[2 * PARTS] = draws * (1.0 - (double)lobes->ask - (double)lobes->ask_beyond)};
+		uint32_t found[2 * PARTS + 1] = {0};
+		expected[2 * PARTS] = fmax(expected[2 * PARTS], 0.0);
+		for (int k = 0; k < 2 * PARTS; k++)
+			expected[k] = draws * (double)(k < PARTS ? lobes->ask : lobes->ask_beyond) / PARTS;
+		for (uint32_t k = 0; k < draws; k++) {
+			float choice = shade_proof_uniform(&random), chance;
+			stilb_vec3 origin = {0}, normal = test_normal();
+			if (!gi_direct_side(&s.bsdf, &origin, &normal, &choice, &chance)) {
+				found[2 * PARTS]++;
+				continue;
+			}
+			bool beyond = stilb_vec3_dot(normal, test_normal()) < 0.0f;
+			assert_true(chance == (beyond ? lobes->ask_beyond : lobes->ask));
+			found[(beyond ? PARTS : 0) + (int)(choice * PARTS)]++;
+		}
+		double p = chi_square_p(expected, found, 2 * PARTS + 1, 0.0);
+		if (!chi_square_passes(&family, p))
+			fail_msg("%u: solidity %u: p %.2g", i, i % SOLIDITIES, p);
+	}
+	chi_square_end(&family);
+}
+
 /* The density that a choice comes with is that of its direction. */
 static void choices_come_with_their_density(void **state)
 {
@@ -218,6 +254,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test(highlights_are_chosen_as_their_density_says),
 		cmocka_unit_test(tilted_triangles_cut_off_what_is_below),
 		cmocka_unit_test(layers_are_chosen_as_their_density_says),
+		cmocka_unit_test(sides_ask_as_often_as_they_say),
 		cmocka_unit_test(choices_come_with_their_density),
 		cmocka_unit_test(five_percent_are_found),
 	};
