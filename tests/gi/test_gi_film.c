@@ -164,8 +164,8 @@ static size_t resident(void)
 	return pages * (size_t)sysconf(_SC_PAGESIZE);
 }
 
-/* A large picture begins at once: of the 168 bytes a pixel only the 4 of depth, which begin as infinity, are written before its
- * first sample. */
+/* A large picture begins at once: of the 168 bytes a pixel only the 4 of depth, which begin as infinity, are written
+ * before its first sample. */
 static void large_films_take_no_memory_yet(void **state)
 {
 	(void)state;

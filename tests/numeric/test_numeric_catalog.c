@@ -1,5 +1,5 @@
 /* Every row of the catalogue does what it says: its own integral is 1, it conserves energy or gains the amount in the
- * table, it is reciprocal or is not, and its samples are spread as its density says. */
+ * table, it is reciprocal or is not, and its samples are directions with a density. */
 #include "support/shade_proof.h"
 
 #include "numeric/numeric_catalog.h"

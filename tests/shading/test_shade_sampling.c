@@ -1,5 +1,5 @@
 /* Series, samplers and their densities: against their formulas in double, and against each other: every sample is a
- * unit vector whose density is the density function's. test_numeric_density: many of them fill the sphere as it says. */
+ * unit vector whose density is the density function's. test_numeric_density: many of them fill the sphere so. */
 
 #include "shading/shade_sampling.h"
 

@@ -355,7 +355,7 @@ static inline chi_square_result chi_square_compare(const chi_square_subject *sub
 
 /* The square's point of a direction; areas of the sphere over 4 pi become areas of the square. The left half is the
  * hemisphere above the frame's horizon, the right half the one below: each is flattened to a disk (Lambert's azimuthal
- * map) and that to a square (Shirley and Chiu's, as shade_concentric). It has no poles, about which cells would be thin. */
+ * map) and that to a square (Shirley and Chiu's, as shade_concentric). So there are no poles, where cells are thin. */
 static inline void chi_square_place(shade_frame frame, stilb_vec3 direction, double at[2])
 {
 	stilb_vec3 local = shade_frame_to_local(frame, direction);

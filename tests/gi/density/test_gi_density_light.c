@@ -1,6 +1,6 @@
-/* Lights are chosen, and points of them, as often as their densities say: shapes and lights of the list by closed forms,
- * many at once by gi_light_pdf, surroundings, suns, and the light tree: support/chi_square.h. With the argument "long"
- * more of each. */
+/* Lights are chosen, and points of them, as often as their densities say: lights of the list by closed forms, emitters
+ * by gi_light_pdf, surroundings, suns, and the light tree: support/chi_square.h. With the argument "long" more of
+ * each. */
 #include "support/chi_square.h"
 
 #include "gi/gi_vector.h"
@@ -108,7 +108,7 @@ enum { COLUMNS = 32 }; /* a power of two: cells end at the columns' sides */
 /* The emitter whose plane is met at the sample's distance, within its sides. */
 static void place_of(const asker *a, const gi_light_sample *sample, double at[2])
 {
-	double nearest = INFINITY;
+	double nearest = HUGE_VAL;
 	for (uint32_t i = 0; i < a->emitter_count; i++) {
 		seen_point seen = seen_along(&a->emitters[i], a->position, sample->direction);
 		double off = fabs(seen.distance / (double)sample->distance - 1.0);
