@@ -182,7 +182,7 @@ static void samplers_choose_as_their_densities_say(void **state)
 int main(int argc, char **argv)
 {
 	is_long = argc > 1 && strcmp(argv[1], "long") == 0;
-	draws = is_long ? 60000 : TEST_ASAN || TEST_EMULATED ? 20000 : 60000;
+	draws = is_long ? 40000 : TEST_ASAN || TEST_EMULATED ? 20000 : 60000;
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(tails_are_those_of_tables),
 		cmocka_unit_test(p_of_right_densities_is_even),

@@ -249,7 +249,7 @@ static void five_percent_are_found(void **state)
 int main(int argc, char **argv)
 {
 	is_long = argc > 1 && strcmp(argv[1], "long") == 0;
-	draws = is_long ? 60000 : TEST_ASAN || TEST_EMULATED ? 10000 : 30000;
+	draws = is_long ? 40000 : TEST_ASAN || TEST_EMULATED ? 10000 : 30000;
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(highlights_are_chosen_as_their_density_says),
 		cmocka_unit_test(tilted_triangles_cut_off_what_is_below),
