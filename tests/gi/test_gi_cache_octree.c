@@ -140,6 +140,10 @@ static void hessian_bends_irradiance(void **state)
 	float radius = fminf(1.0f / record.position[3], 1.0f / record.normal[3]);
 	stilb_vec3 there = record.position + frame.t * radius;
 	assert_true(fabsf(gi_cache_record_irradiance(&record, there, record.normal)[0] - 3.0f) < 1e-4f);
+	steep.translation[0] = stilb_vec3_make(-100.0f, 0.0f, 0.0f); /* with both no colour falls below 0 */
+	record = record_of(&steep, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_HESSIAN);
+	float least = gi_cache_record_irradiance(&record, there, record.normal)[0];
+	assert_true(least >= -1e-4f && least < 0.1f);
 	gi_cache_limits flat = limits;
 	flat.radius = STILB_GI_CACHE_HESSIAN;
 	flat.gradients = false;
