@@ -161,7 +161,8 @@ static void kill_at_any_time(const char *line, const char *output, uint32_t *num
 		killed += run.code != 0;
 		assert_true(!exists(output) || !exists("whole.exr") || same_file(output, "whole.exr"));
 	}
-	stilb_good("render %s -o %s --workers 2 --resume", line, output);
+	snprintf(words, sizeof words, "render %s -o %s --workers 2 --resume", line, output);
+	assert_int_equal(stilb_code(no_display, words), 0); /* it may say that there is nothing to resume: one has ended */
 	print_message("%s: %d of 5 runs were killed, %d had something to resume\n", line, killed, resumed);
 	assert_true(killed > 0);
 }
