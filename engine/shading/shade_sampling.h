@@ -193,7 +193,7 @@ SHADE_FN float shade_pdf_vmf(float sharpness, vec3 direction)
 
 /* Density of the reflection l = reflect(-v, h) where h has the density pdf_h: a solid angle dw_h of normals becomes
  * dw_l = 4 |v.h| dw_h of directions. If l is given and not h, |v.h| is |v + l| / 2, which keeps its digits where v.h is
- * small.
+ * small: shade_pdf_mirrored.
  * Source: Walter et al., "Microfacet Models for Refraction through Rough Surfaces" (2007), eq. 14. */
 SHADE_FN float shade_pdf_reflected(float pdf_h, float v_dot_h)
 {
@@ -207,6 +207,14 @@ SHADE_FN vec3 shade_half_vector(vec3 v, vec3 l)
 	float length2 = dot(sum, sum);
 	float scale = select(sum[2] < 0.0f, -1.0f, 1.0f) * inversesqrt(max(length2, SHADE_COS2_MIN));
 	return select(length2 > SHADE_COS2_MIN, sum * scale, vec3(0.0f, 0.0f, 1.0f));
+}
+
+/* shade_pdf_reflected from l, for an h that is shade_half_vector(v, l). 0 where l = -v: no normal reflects v there, and
+ * +Z, which stands in for one, is the likeliest: in the float directions about -v it would hold up to 5 % of all. */
+SHADE_FN float shade_pdf_mirrored(float pdf_h, vec3 v, vec3 l)
+{
+	float v_dot_h = 0.5f * length(v + l);
+	return select(v_dot_h > SHADE_V_DOT_H_MIN, shade_pdf_reflected(pdf_h, v_dot_h), 0.0f);
 }
 
 /* v reflected by the microfacet normal h, with the density of the reflection; h.pdf is that of the normal. */
@@ -238,7 +246,7 @@ SHADE_FN shade_sample shade_sample_blinn_phong(float n, vec3 v, vec2 u)
 
 SHADE_FN float shade_pdf_blinn_phong(float n, vec3 v, vec3 l)
 {
-	return shade_pdf_reflected(shade_pdf_blinn_normal(n, shade_half_vector(v, l)), 0.5f * length(v + l));
+	return shade_pdf_mirrored(shade_pdf_blinn_normal(n, shade_half_vector(v, l)), v, l);
 }
 
 /* The lobe (n + 1) / (2 pi) (r.l)^n about the mirror direction r: Phong's highlight. n in [0, 1e7]. */
@@ -280,7 +288,7 @@ SHADE_FN shade_sample shade_sample_ggx(shade_alphas alphas, vec3 v, vec2 u)
 
 SHADE_FN float shade_pdf_ggx(shade_alphas alphas, vec3 v, vec3 l)
 {
-	return shade_pdf_reflected(shade_pdf_ggx_normal(alphas, shade_half_vector(v, l)), 0.5f * length(v + l));
+	return shade_pdf_mirrored(shade_pdf_ggx_normal(alphas, shade_half_vector(v, l)), v, l);
 }
 
 /* D(h) G1(v) / n.v with Smith's G1 of GGX: 2 D(h) / (n.v + sqrt(alpha_x^2 v_x^2 + alpha_y^2 v_y^2 + v_z^2)), finite at

@@ -126,6 +126,23 @@ static pid_t rank_of(pid_t parent, int rank)
 	return found;
 }
 
+/* True while a process runs in this test's folder: ranks outlive mpirun a little. */
+static bool ranks_left(void)
+{
+	char path[300], folder[PATH_MAX];
+	DIR *dir = opendir("/proc");
+	bool found = false;
+	for (struct dirent *entry; !found && (entry = readdir(dir));) {
+		snprintf(path, sizeof path, "/proc/%s/cwd", entry->d_name);
+		pid_t process = atoi(entry->d_name);
+		ssize_t length = process > 0 && process != getpid() ? readlink(path, folder, sizeof folder - 1) : -1;
+		folder[length > 0 ? length : 0] = '\0';
+		found = length > 0 && strcmp(folder, stilb_folder) == 0;
+	}
+	closedir(dir);
+	return found;
+}
+
 static void pause_s(double seconds)
 {
 	nanosleep(&(struct timespec){(time_t)seconds, (long)((seconds - (double)(time_t)seconds) * 1e9)}, NULL);
@@ -191,6 +208,40 @@ static void test_ctrl_c(void **state)
 	goes_on_with("3");
 }
 
+/* Any rank, rank 0 too, at any time: while mpirun starts, while scenes are read, while it renders or writes. */
+static void test_any_rank_killed_at_any_time(void **state)
+{
+	(void)state;
+	whole_make();
+	uint32_t numbers = 23;
+	int killed = 0;
+	for (int i = 0; i < 5; i++) {
+		int rank = i % 3;
+		ranks_start("-n 3 @ " SLOW " --checkpoint 0.05 --resume");
+		pid_t process = 0;
+		for (int k = 0; k < 400 && !process; k++) {
+			pause_s(0.02);
+			process = rank_of(run.pid, rank);
+		}
+		numbers = numbers * 1664525u + 1013904223u;
+		pause_s(1.2 * (numbers >> 8) / (1u << 24));
+		/* The process may have ended by itself: then its number is no rank's any more. */
+		if (process && rank_of(run.pid, rank) == process)
+			killed += kill(process, SIGKILL) == 0;
+		program_wait(&run);
+		for (int k = 0; k < 200 && ranks_left(); k++)
+			pause_s(0.05);
+		/* Rank 0, warned by mpirun, writes the picture so far, and a checkpoint beside it. */
+		assert_true(access("slow.exr", F_OK) != 0 || access("slow.exr.checkpoint", F_OK) == 0 ||
+		            same_file("whole.exr", "slow.exr"));
+		remove("slow.exr");
+	}
+	assert_true(killed >= 3);
+	assert_int_equal(ranks("-n 2 @ " SLOW " --resume"), 0);
+	assert_true(same_file("whole.exr", "slow.exr"));
+	assert_int_equal(folder_entries(), 2); /* no checkpoint, no temporary file */
+}
+
 /* A picture that cannot be written is kept as a checkpoint. */
 static void test_full_disk(void **state)
 {
@@ -210,6 +261,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest slow[] = {
 		cmocka_unit_test_setup(test_a_rank_that_dies, folder_fresh),
 		cmocka_unit_test_setup(test_ctrl_c, folder_fresh),
+		cmocka_unit_test_setup(test_any_rank_killed_at_any_time, folder_fresh),
 		cmocka_unit_test_setup(test_full_disk, folder_fresh),
 	};
 	if (access(mpirun_path, X_OK) != 0) {

@@ -154,6 +154,60 @@ static void test_resume_gives_the_same_bits(void **state)
 	assert_true(stat_int("camera_rays") > 0);
 }
 
+/* The numbers decide when a run is killed, which the machine's speed turns into what it was doing. */
+static double random_s(uint32_t *state, double most)
+{
+	*state = *state * 1664525u + 1013904223u;
+	return most * (*state >> 8) / (1u << 24);
+}
+
+/* A run that is killed again and again, at any time: while it reads the scene, fills the cache, renders, writes a
+ * checkpoint or the picture; the last one ends. A picture that is there is never half of one. */
+static void kill_at_any_time(const char *line, const char *output, uint32_t *numbers)
+{
+	int killed = 0, resumed = 0;
+	char checkpoint[32], words[256];
+	snprintf(checkpoint, sizeof checkpoint, "%s.checkpoint", output);
+	for (int i = 0; i < 5; i++) {
+		snprintf(words, sizeof words, "render %s -o %s --workers %d --checkpoint 0.02 --resume", line, output,
+		         1 + i % 3);
+		resumed += exists(checkpoint);
+		stilb_start(no_display, -1, words);
+		usleep((useconds_t)(1e6 * random_s(numbers, 0.6)));
+		kill(run.pid, SIGKILL);
+		program_wait(&run);
+		killed += run.code != 0;
+		assert_true(!exists(output) || !exists("whole.exr") || same_file(output, "whole.exr"));
+	}
+	snprintf(words, sizeof words, "render %s -o %s --workers 2 --resume", line, output);
+	assert_int_equal(stilb_code(no_display, words), 0); /* it may say that there is nothing to resume: one has ended */
+	print_message("%s: %d of 5 runs were killed, %d had something to resume\n", line, killed, resumed);
+	assert_true(killed > 0);
+}
+
+/* At last the picture is that of a run without a break, and nothing else is beside it. */
+static void test_killed_at_any_time(void **state)
+{
+	(void)state;
+	static const char *const lines[] = {"cornell --size 128x128 --spp 96",
+	                                    "spheres --size 96x96 --spp 16 --integrator split --rays 4",
+	                                    "cornell --size 96x96 --spp 64 --integrator irradiance-cache --cache-rays 256"};
+	uint32_t numbers = 23;
+	for (int i = 0; i < 3; i++) {
+		stilb_good("render %s -o whole.exr", lines[i]);
+		kill_at_any_time(lines[i], "a.exr", &numbers);
+		assert_true(same_file("a.exr", "whole.exr"));
+		assert_int_equal(folder_entries(), 2); /* no checkpoint, no temporary file */
+		assert_int_equal(remove("a.exr") + remove("whole.exr"), 0);
+	}
+	kill_at_any_time("cornell --size 128x128 --spp 96 --part 1/2", "1.part", &numbers);
+	assert_int_equal(folder_entries(), 1);
+	stilb_good("render %s -o whole.exr", lines[0]);
+	stilb_good("render %s --part 2/2 -o 2.part", lines[0]);
+	stilb_good("render --merge 1.part 2.part -o a.exr");
+	assert_true(same_file("a.exr", "whole.exr"));
+}
+
 static void interrupt_with(int signal_number)
 {
 	stilb_start(no_display, -1, SLOW "-o a.png --stats a.json");
@@ -568,6 +622,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_same_bits_from_any_workers, folder_fresh),
 		cmocka_unit_test_setup(test_denoise, folder_fresh),
 		cmocka_unit_test_setup(test_resume_gives_the_same_bits, folder_fresh),
+		cmocka_unit_test_setup(test_killed_at_any_time, folder_fresh),
 		cmocka_unit_test_setup(test_other_signals, folder_fresh),
 		cmocka_unit_test_setup(test_checkpoints_that_are_none, folder_fresh),
 		cmocka_unit_test_setup(test_limits, folder_fresh),

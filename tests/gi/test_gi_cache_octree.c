@@ -119,6 +119,38 @@ static void gradients_are_limited_by_colour(void **state)
 	assert_true(fabsf(irradiance[1] - (1.0f + radius)) < 1e-5f && irradiance[2] == 1.0f);
 }
 
+/* With Hessian radii irradiance follows its second derivative, E + H x^2 / 2, along the axes of that: here -8 along one
+ * and 2 across it; but by no more than a quarter of it at the radius, and not without gradients. */
+static void hessian_bends_irradiance(void **state)
+{
+	(void)state;
+	gi_cache_gathered gathered = gathered_grey(4.0f, 0.1f), steep = gathered;
+	const float along[3] = {-8.0f, 0.0f, 2.0f}, steeper[3] = {-8000.0f, 0.0f, 2.0f};
+	memcpy(gathered.hessian, along, sizeof along);
+	memcpy(steep.hessian, steeper, sizeof steeper);
+	shade_frame frame = shade_frame_from_normal(stilb_vec3_make(0.0f, 1.0f, 0.0f));
+	gi_cache_record record = record_of(&gathered, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_HESSIAN);
+	for (float x = -0.2f; x <= 0.2f; x += 0.05f) {
+		stilb_vec3 at = record.position + frame.t * x, across = record.position + frame.b * x;
+		stilb_vec3 bent = gi_cache_record_irradiance(&record, at, record.normal);
+		assert_true(fabsf(bent[0] - (4.0f - 4.0f * x * x)) < 1e-5f && bent[0] == bent[2]);
+		assert_true(fabsf(gi_cache_record_irradiance(&record, across, record.normal)[1] - (4.0f + x * x)) < 1e-5f);
+	}
+	record = record_of(&steep, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_HESSIAN);
+	float radius = fminf(1.0f / record.position[3], 1.0f / record.normal[3]);
+	stilb_vec3 there = record.position + frame.t * radius;
+	assert_true(fabsf(gi_cache_record_irradiance(&record, there, record.normal)[0] - 3.0f) < 1e-4f);
+	steep.translation[0] = stilb_vec3_make(-100.0f, 0.0f, 0.0f); /* with both no colour falls below 0 */
+	record = record_of(&steep, stilb_vec3_make(0.0f, 1.0f, 3.0f), STILB_GI_CACHE_HESSIAN);
+	float least = gi_cache_record_irradiance(&record, there, record.normal)[0];
+	assert_true(least >= -1e-4f && least < 0.1f);
+	gi_cache_limits flat = limits;
+	flat.radius = STILB_GI_CACHE_HESSIAN;
+	flat.gradients = false;
+	record = gi_cache_record_make(&steep, frame, stilb_vec3_make(0.0f, 1.0f, 3.0f), &flat);
+	assert_true(gi_cache_record_irradiance(&record, there, record.normal)[0] == 4.0f);
+}
+
 static void weight_is_bounded_and_ends_at_nothing(void **state)
 {
 	(void)state;
@@ -293,6 +325,7 @@ int main(void)
 		cmocka_unit_test(hessian_makes_an_ellipse),
 		cmocka_unit_test(radii_stay_within_limits),
 		cmocka_unit_test(gradients_are_limited_by_colour),
+		cmocka_unit_test(hessian_bends_irradiance),
 		cmocka_unit_test(weight_is_bounded_and_ends_at_nothing),
 		cmocka_unit_test(tree_finds_what_all_records_say),
 		cmocka_unit_test(places_outside_are_no_harm),

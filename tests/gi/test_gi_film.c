@@ -5,8 +5,10 @@
 #include "support/test.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define COUNT 1000
 
@@ -151,10 +153,32 @@ static void preview(void **state)
 	gi_film_finish(&film);
 }
 
+/* Bytes of this process that are in memory. */
+static size_t resident(void)
+{
+	unsigned long pages = 0;
+	FILE *file = fopen("/proc/self/statm", "r");
+	assert_non_null(file);
+	assert_int_equal(fscanf(file, "%*u %lu", &pages), 1);
+	fclose(file);
+	return pages * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+/* A large picture begins at once: of the 168 bytes a pixel only the 4 of depth, which begin as infinity, are written
+ * before its first sample. */
+static void large_films_take_no_memory_yet(void **state)
+{
+	(void)state;
+	size_t before = resident();
+	gi_film film = film_of(4096, 4096, false);
+	assert_in_range(resident() - before, (size_t)4096 * 4096 * 4, (size_t)4096 * 4096 * 5);
+	gi_film_finish(&film);
+}
+
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(means_and_variances), cmocka_unit_test(weights),
-	                                   cmocka_unit_test(picture_error), cmocka_unit_test(bad_samples),
-	                                   cmocka_unit_test(preview)};
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(means_and_variances), cmocka_unit_test(weights), cmocka_unit_test(picture_error),
+		cmocka_unit_test(bad_samples),         cmocka_unit_test(preview), test_no_asan(large_films_take_no_memory_yet)};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

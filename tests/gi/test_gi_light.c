@@ -565,75 +565,6 @@ static void lights_add_up(void **state)
 	gi_lights_destroy(&lights);
 }
 
-#define CELLS 8
-
-/* How many samples fall into each cell of a shape, a grid in the shape's own coordinates, against the solid angle of
- * the cell seen from the origin. Pearson's chi-square over independent numbers must be within four standard
- * deviations. */
-static void samples_fill_solid_angles_evenly(void **state)
-{
-	(void)state;
-	shade_proof_random random = {.seed = 6};
-	for (int trial = 0; trial < 12; trial++) {
-		int kind = trial & 1 ? RECTANGLE : ONE_TRIANGLE;
-		gi_emitter emitters[2];
-		stilb_vec3 corners[4];
-		gi_lights lights = shape_over(&random, kind, emitters, corners);
-		const gi_light_shape *shape = &lights.shapes[0];
-		double expected[CELLS * CELLS] = {0.0}, whole = 0.0;
-		uint32_t seen[CELLS * CELLS] = {0}, count = 0;
-		enum { FINE = 16 };
-		/* s and t in [0, 1): corner + edge_1 s + edge_2 t, or for triangles edge_1 s (1 - t) + edge_2 s t. */
-		for (int i = 0; i < CELLS * FINE; i++)
-			for (int k = 0; k < CELLS * FINE; k++) {
-				float s = ((float)i + 0.5f) / (CELLS * FINE), t = ((float)k + 0.5f) / (CELLS * FINE);
-				float a = kind == RECTANGLE ? s : s * (1.0f - t), b = kind == RECTANGLE ? t : s * t;
-				stilb_vec3 q = shape->corner + shape->edge_1 * a + shape->edge_2 * b;
-				double d2 = (double)stilb_vec3_dot(q, q), cosine = -(double)stilb_vec3_dot(q, shape->normal) / sqrt(d2);
-				double solid = cosine / d2 * (kind == RECTANGLE ? 1.0 : (double)s);
-				expected[i / FINE * CELLS + k / FINE] += solid;
-				whole += solid;
-			}
-		for (uint32_t i = 0; i < 20000; i++) {
-			gi_light_sample sample;
-			stilb_vec2 u = {shade_proof_uniform(&random), shade_proof_uniform(&random)};
-			if (!gi_light_shape_sample(shape, vec(0, 0, 0), u, &sample))
-				continue;
-			if (sample.pdf != gi_light_shape_density(shape, vec(0, 0, 0), 1.0f))
-				break; /* this shape is sampled by area, which another test checks */
-			float height = -stilb_vec3_dot(shape->corner, shape->normal);
-			stilb_vec3 q =
-				sample.direction * (-height / stilb_vec3_dot(sample.direction, shape->normal)) - shape->corner;
-			stilb_vec3 n = stilb_vec3_cross(shape->edge_1, shape->edge_2);
-			float n2 = stilb_vec3_dot(n, n);
-			float a = stilb_vec3_dot(stilb_vec3_cross(q, shape->edge_2), n) / n2;
-			float b = stilb_vec3_dot(stilb_vec3_cross(shape->edge_1, q), n) / n2;
-			float s = kind == RECTANGLE ? a : a + b, t = kind == RECTANGLE ? b : b / (a + b);
-			assert_true(s > -1e-3f && s < 1.001f && t > -1e-3f && t < 1.001f);
-			int row = (int)fminf(fmaxf(s * CELLS, 0.0f), CELLS - 1),
-				column = (int)fminf(fmaxf(t * CELLS, 0.0f), CELLS - 1);
-			seen[row * CELLS + column]++;
-			count++;
-		}
-		double chi = 0.0, freedom = -1.0, left_seen = 0.0, left_expected = 0.0;
-		for (int i = 0; i < CELLS * CELLS; i++) {
-			double want = expected[i] / whole * count;
-			if (want < 10.0) { /* too few for the statistic: taken together */
-				left_seen += seen[i];
-				left_expected += want;
-				continue;
-			}
-			chi += (seen[i] - want) * (seen[i] - want) / want;
-			freedom += 1.0;
-		}
-		if (left_expected > 10.0)
-			chi += (left_seen - left_expected) * (left_seen - left_expected) / left_expected;
-		if (count && chi > freedom + 1.0 + 4.0 * sqrt(2.0 * (freedom + 1.0)))
-			fail_msg("trial %d: chi-square %g for %g degrees of freedom", trial, chi, freedom);
-		gi_lights_destroy(&lights);
-	}
-}
-
 /* ---- lights without a size --------------------------------------------------------------------------------------- */
 
 static void lights_without_a_size_follow_their_formulas(void **state)
@@ -1078,7 +1009,6 @@ int main(void)
 		cmocka_unit_test(children_weigh_the_same_everywhere),
 		cmocka_unit_test(nodes_hold_their_children),
 		cmocka_unit_test(lights_add_up),
-		cmocka_unit_test(samples_fill_solid_angles_evenly),
 		cmocka_unit_test(lights_without_a_size_follow_their_formulas),
 		cmocka_unit_test(suns_are_chosen_with_their_probabilities),
 		cmocka_unit_test(listed_lights_with_a_size_follow_their_formulas),

@@ -1,5 +1,5 @@
 /* Every row of the catalogue does what it says: its own integral is 1, it conserves energy or gains the amount in the
- * table, it is reciprocal or is not, and its samples are spread as its density says. */
+ * table, it is reciprocal or is not, and its samples are directions with a density. */
 #include "support/shade_proof.h"
 
 #include "numeric/numeric_catalog.h"
@@ -179,152 +179,6 @@ static void reciprocity_is_as_the_table_says(void **state)
 
 /* ---- samplers ---------------------------------------------------------------------------------------------------- */
 
-enum { RINGS = 24, SECTORS = 16, BINS = RINGS * SECTORS, SAMPLES = 1 << 17 };
-
-/* How samples of a row are counted in bins. Counted are directions, in a frame whose z is where the density is highest;
- * where that is known of the half vector of view and direction, half vectors (STILB_NUMERIC_POLE_HALF). */
-typedef struct spread {
-	const stilb_numeric_row *row;
-	const stilb_numeric_shape *shape;
-	shade_frame frame; /* its normal is that z axis */
-	double width;
-	double ring_z; /* the height at which the azimuth is integrated */
-} spread;
-
-static spread make_spread(const stilb_numeric_row *row, const stilb_numeric_shape *shape)
-{
-	stilb_vec3 pole = {0.0f, 0.0f, 1.0f}, v = shape->view;
-	if (row->pole == STILB_NUMERIC_POLE_MIRRORED)
-		pole = stilb_vec3_make(-v[0], -v[1], v[2]);
-	double width = fmax(1e-3, (double)(shape->roughness * shape->roughness));
-	return (spread){row, shape, shade_frame_from_normal(pole), width, 0.0};
-}
-
-static stilb_vec3 counted(const spread *s, stilb_vec3 direction)
-{
-	if (s->row->pole != STILB_NUMERIC_POLE_HALF)
-		return shade_frame_to_local(s->frame, direction);
-	stilb_vec3 h = stilb_vec3_normalize(direction + s->shape->view);
-	return h[2] < 0.0f ? -h : h;
-}
-
-/* The bin of p: its ring about z and its sector. With theta the angle from z, rings are equal steps of
- * tan^2(theta / 2) / (width^2 + tan^2(theta / 2)): so each holds about as many samples of a lobe of that width. */
-static int bin_of(const spread *s, stilb_vec3 p)
-{
-	double rim2 = (double)(p[0] * p[0] + p[1] * p[1]);
-	double tangent2 =
-		p[2] > 0.0f ? rim2 / pow(1.0 + (double)p[2], 2.0) : pow(1.0 - (double)p[2], 2.0) / fmax(rim2, 1e-30);
-	int ring = (int)(RINGS * tangent2 / (s->width * s->width + tangent2));
-	int sector = (int)(SECTORS * (0.5 + atan2((double)p[1], (double)p[0]) / (2.0 * M_PI)));
-	return (ring < RINGS ? ring : RINGS - 1) * SECTORS + (sector < SECTORS ? sector : SECTORS - 1);
-}
-
-/* The height z, -1 to 1, at which a ring ends below; for ring -1 it is 1, the pole where ring 0 begins. */
-static double ring_height(const spread *s, int ring)
-{
-	double share = (ring + 1.0) / RINGS;
-	double width2 = s->width * s->width;
-	return (1.0 - share - width2 * share) / (1.0 - share + width2 * share);
-}
-
-static double density_at(double phi, const void *context)
-{
-	const spread *s = context;
-	double radius = sqrt(fmax(0.0, 1.0 - s->ring_z * s->ring_z));
-	stilb_vec3 p = stilb_vec3_make((float)(radius * cos(phi)), (float)(radius * sin(phi)), (float)s->ring_z);
-	if (s->row->pole != STILB_NUMERIC_POLE_HALF)
-		return (double)s->row->density(s->shape, shade_frame_to_world(s->frame, p));
-	float view_h = stilb_vec3_dot(s->shape->view, p);
-	if (p[2] < 0.0f)
-		return 0.0;
-	return (double)s->row->density(s->shape, p * (2.0f * view_h) - s->shape->view) * 4.0 * fabs((double)view_h);
-}
-
-typedef struct sector {
-	spread spread;
-	double low, high;
-} sector;
-
-static double density_in_sector(double z, const void *context)
-{
-	sector s = *(const sector *)context;
-	s.spread.ring_z = z;
-	return stilb_numeric_integrate(density_at, &s.spread, s.low, s.high, 1);
-}
-
-static double expected_share(const spread *s, int bin)
-{
-	int ring = bin / SECTORS, i = bin % SECTORS;
-	sector part = {*s, ((double)i / SECTORS - 0.5) * 2.0 * M_PI, ((i + 1.0) / SECTORS - 0.5) * 2.0 * M_PI};
-	double low = ring_height(s, ring), high = ring_height(s, ring - 1);
-	/* Densities jump to 0 at the horizon z = 0, so a ring across it is integrated in two parts. */
-	if (low < 0.0 && high > 0.0)
-		return stilb_numeric_integrate(density_in_sector, &part, low, 0.0, 1) +
-		       stilb_numeric_integrate(density_in_sector, &part, 0.0, high, 1);
-	return stilb_numeric_integrate(density_in_sector, &part, low, high, 1);
-}
-
-/* Pearson's chi-square of the samples against the expected density: by how many of its standard deviations it lies
- * above its mean, the degrees of freedom. Bins in which fewer than ten samples are expected are joined into one. */
-static double chi_square(const spread *sampled, const spread *expected)
-{
-	static int counts[BINS];
-	memset(counts, 0, sizeof counts);
-	shade_proof_random random = {.seed = 23};
-	for (int i = 0; i < SAMPLES; i++) {
-		float u = shade_proof_uniform(&random), v = shade_proof_uniform(&random);
-		counts[bin_of(sampled, counted(sampled, sampled->row->sample(sampled->shape, (stilb_vec2){u, v}).direction))]++;
-	}
-	double chi2 = 0.0, rest = 0.0, rest_expected = 0.0;
-	int freedom = 0;
-	for (int bin = 0; bin < BINS; bin++) {
-		double want = SAMPLES * expected_share(expected, bin), got = counts[bin];
-		if (want < 10.0) {
-			rest += got;
-			rest_expected += want;
-			continue;
-		}
-		chi2 += (got - want) * (got - want) / want;
-		freedom++;
-	}
-	chi2 += (rest - rest_expected) * (rest - rest_expected) / fmax(rest_expected, 10.0);
-	return (chi2 - freedom) / sqrt(2.0 * freedom);
-}
-
-static void check_spread(const stilb_numeric_row *row)
-{
-	static const float roughnesses[] = {0.1f, 0.4f, 0.8f};
-	for (size_t i = 0; i < sizeof roughnesses / sizeof roughnesses[0]; i++) {
-		stilb_numeric_shape shape = make_shape(roughnesses[i]);
-		spread s = make_spread(row, &shape);
-		double above = chi_square(&s, &s);
-		if (!(above < 4.0))
-			fail_msg("%s, roughness %g: chi-square is %.1f standard deviations too large", row->name,
-			         (double)roughnesses[i], above);
-	}
-}
-
-static void samples_are_spread_as_their_density(void **state)
-{
-	(void)state;
-	each_row(STILB_NUMERIC_SAMPLER, check_spread);
-}
-
-/* The same samples do not pass for another density, nor for that of a lobe wider by a twentieth. */
-static void chi_square_sees_a_wrong_density(void **state)
-{
-	(void)state;
-	stilb_numeric_shape shape = make_shape(0.4f), wider = make_shape(0.41f);
-	spread cosine = make_spread(stilb_numeric_catalog_find("sample_cosine"), &shape);
-	spread hemisphere = make_spread(stilb_numeric_catalog_find("sample_hemisphere"), &shape);
-	spread visible = make_spread(stilb_numeric_catalog_find("sample_ggx_visible"), &shape);
-	spread visible_wider = visible;
-	visible_wider.shape = &wider;
-	assert_true(chi_square(&cosine, &hemisphere) > 100.0);
-	assert_true(chi_square(&visible, &visible_wider) > 4.0);
-}
-
 static void check_samples(const stilb_numeric_row *row)
 {
 	shade_proof_random random = {.seed = 29};
@@ -364,8 +218,6 @@ int main(void)
 		test_no_asan(energy_is_kept_or_gained_as_the_table_says), /* some_gains_have_no_bound calls the same */
 		cmocka_unit_test(some_gains_have_no_bound),
 		cmocka_unit_test(reciprocity_is_as_the_table_says),
-		cmocka_unit_test(samples_are_spread_as_their_density),
-		cmocka_unit_test(chi_square_sees_a_wrong_density),
 		cmocka_unit_test(samples_are_directions_with_a_density),
 	};
 	return SHADE_PROOF_RUN(exactness, properties);

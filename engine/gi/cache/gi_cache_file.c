@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[] = "stilb irradiance cache 1\n";
+static const char magic[] = "stilb irradiance cache 2\n";
 #define MAGIC_SIZE (sizeof magic - 1)
 
 /* What the records in the file depend on. All but count must be equal to what the cache at hand has, or the file is

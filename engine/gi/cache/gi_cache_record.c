@@ -71,15 +71,27 @@ static void gradients_drop(gi_cache_gathered *gathered)
 		gathered->rotation[i] = gathered->translation[i] = (stilb_vec3){0};
 }
 
-/* Shortens the gradient of each colour channel whose irradiance, extrapolated along it, would become negative within
- * the record's radii. */
-static void gradients_limit(gi_cache_gathered *gathered, const float radius[2])
+/* The most that the second derivative may change the irradiance by within the record's radii, as a share of it: that of
+ * few rays is noisy. */
+#define BEND_MOST 0.25f
+
+/* The factor on the square of the distance along an axis in gi_cache_record_irradiance. */
+static float bend_of(float curvature, float irradiance, float radius)
+{
+	float most = BEND_MOST / (radius * radius);
+	return fminf(fmaxf(0.5f * curvature / irradiance, -most), most); /* of 0 / 0 a number that is multiplied by 0 */
+}
+
+/* Shortens the gradient of each colour channel whose irradiance, extrapolated along it, would fall by more than the
+ * share `most` of it within the record's radii. */
+static void gradients_limit(gi_cache_gathered *gathered, const float radius[2], float most)
 {
 	for (int i = 0; i < 3; i++) {
 		float t = gathered->translation[0][i] * radius[0];
 		float b = gathered->translation[1][i] * radius[1];
 		float change = sqrtf(t * t + b * b);
-		float kept = change > gathered->irradiance[i] ? gathered->irradiance[i] / change : 1.0f;
+		float limit = most * gathered->irradiance[i];
+		float kept = change > limit ? limit / change : 1.0f;
 		gathered->translation[0][i] *= kept;
 		gathered->translation[1][i] *= kept;
 	}
@@ -97,9 +109,10 @@ gi_cache_record gi_cache_record_make(const gi_cache_gathered *gathered, shade_fr
 	STILB_ASSERT(limits->shortest >= 0.0f && limits->shortest <= limits->longest);
 	STILB_ASSERT(gathered->nearness >= 0.0f);
 	gi_cache_gathered turned = *gathered;
-	float radius[2];
+	float radius[2], bend[2] = {0.0f, 0.0f};
+	tangent_axes axes = {0};
 	if (limits->radius == STILB_GI_CACHE_HESSIAN) {
-		tangent_axes axes = principal_axes(gathered->hessian);
+		axes = principal_axes(gathered->hessian);
 		turn_axes(&axes, &frame, &turned);
 		for (int i = 0; i < 2; i++)
 			radius[i] = hessian_radius(axes.curvature[i], gi_cache_mean(gathered->irradiance), limits);
@@ -110,16 +123,19 @@ gi_cache_record gi_cache_record_make(const gi_cache_gathered *gathered, shade_fr
 	for (int i = 0; i < 2; i++)
 		radius[i] = clamp_radius(radius[i], reach, limits);
 
+	bool bends = limits->radius == STILB_GI_CACHE_HESSIAN && limits->gradients;
+	for (int i = 0; i < 2 && bends; i++)
+		bend[i] = bend_of(axes.curvature[i], gi_cache_mean(gathered->irradiance), radius[i]);
 	if (!limits->gradients)
 		gradients_drop(&turned);
 	float shorter = fminf(radius[0], radius[1]);
-	gradients_limit(&turned, radius);
+	gradients_limit(&turned, radius, bends ? 1.0f - BEND_MOST : 1.0f);
 	return (gi_cache_record){
 		.position = row(position, 1.0f / radius[0]),
 		.normal = row(frame.n, 1.0f / radius[1]),
 		.tangent = row(frame.t, 1.0f / shorter),
 		.irradiance = row(turned.irradiance, 1.0f / fmaxf(radius[0], radius[1])),
-		.translation = {row(turned.translation[0], 0.0f), row(turned.translation[1], 0.0f)},
+		.translation = {row(turned.translation[0], bend[0]), row(turned.translation[1], bend[1])},
 		.rotation = {row(turned.rotation[0], 0.0f), row(turned.rotation[1], 0.0f)},
 	};
 }

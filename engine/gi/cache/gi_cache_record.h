@@ -8,6 +8,9 @@
  *            the record's tangent, bitangent and normal; n and n_i are the normals of the point and of the record. The
  *            record is valid where e < 1, unless the point lies below the record's plane. For radii a R and turn = a
  *            this is Ward's test for the error a and the harmonic mean distance R.
+ * Value.     Irradiance is extrapolated along its gradients and, where radii come from the Hessian, along its second
+ *            derivative too, one for all colours: without that term the error would have one sign wherever irradiance
+ *            bends one way, a bias that no number of rays brings down.
  * Source:    Ward, Rubinstein, Clear (1988); Schwarzhaupt, Jensen, Jarosz (2012).
  */
 #ifndef STILB_GI_CACHE_RECORD_H
@@ -18,7 +21,8 @@
 #include "shading/shade_frame.h"
 
 /* A record: 128 bytes, two cache lines. Each row is a vector of three numbers with an unrelated fourth in [3]. r_t, r_b
- * and r_n are the radii above. */
+ * and r_n are the radii above. translation[3]: half the second derivative of irradiance along that axis over the
+ * irradiance, m^-2. */
 typedef struct gi_cache_record {
 	stilb_vec4 position;       /* [3] 1 / r_t */
 	stilb_vec4 normal;         /* [3] 1 / r_b */
@@ -75,14 +79,15 @@ static inline float gi_cache_record_weight(float error)
 	return 1.0f / fmaxf(error, 1.0f / 16.0f) - 1.0f;
 }
 
-/* Irradiance at a position and normal nearby, by linear extrapolation along the gradients. */
+/* Irradiance at a position and normal nearby, by extrapolation. */
 static inline stilb_vec3 gi_cache_record_irradiance(const gi_cache_record *record, stilb_vec3 position,
                                                     stilb_vec3 normal)
 {
 	stilb_vec3 way = position - record->position;
 	stilb_vec3 bitangent = stilb_vec3_cross(record->normal, record->tangent);
-	return record->irradiance + record->translation[0] * stilb_vec3_dot(way, record->tangent) +
-	       record->translation[1] * stilb_vec3_dot(way, bitangent) +
+	float t = stilb_vec3_dot(way, record->tangent), b = stilb_vec3_dot(way, bitangent);
+	float bent = 1.0f + record->translation[0][3] * t * t + record->translation[1][3] * b * b;
+	return record->irradiance * bent + record->translation[0] * t + record->translation[1] * b +
 	       record->rotation[0] * stilb_vec3_dot(normal, record->tangent) +
 	       record->rotation[1] * stilb_vec3_dot(normal, bitangent);
 }

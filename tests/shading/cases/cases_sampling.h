@@ -116,7 +116,8 @@ SHADE_FN vec4 shade_case_ggx(int row, vec2 u, vec3 v_steep, vec3 v, vec3 l, shad
 	if (row == 22)
 		return shade_case_sample(shade_sample_ggx(alphas, v_steep, (u - 0.5f) * 0.7f + 0.5f));
 	if (row == 23)
-		return vec4(shade_pdf_ggx(alphas, v, l), shade_pdf_reflected(alphas.x, v[2]), 0.0f, 0.0f);
+		return vec4(shade_pdf_ggx(alphas, v, l), shade_pdf_reflected(alphas.x, v[2]),
+		            shade_pdf_mirrored(alphas.y, v, l), 0.0f);
 	if (row == 24)
 		return shade_case_sample(shade_sample_ggx_visible_normal(alphas, v, u));
 	if (row == 25)
