@@ -166,7 +166,7 @@ static void report(FILE *out, const bench_results *results)
 		"with Owen-scrambled Sobol points, one light sample for each hit, multiple importance sampling, Russian "
 		"roulette; stilb, plain: 1 / (rmse^2 CPU s); apart: difference of their means\n"
 		"  denoise-*: 128 x 128 pixels, one thread; few: 16 samples (--quick: 4), many: eight times as many; "
-	    "ratio-time: "
+		"ratio-time: "
 		"denoised / samples in the same time\n"
 		"  rmse: of linear radiance, without the pixels around visible lights; of the cache's cases against a "
 		"reference rendered first whose own noise is subtracted\n");

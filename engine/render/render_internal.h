@@ -351,8 +351,8 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 
 /* ---- devices ----------------------------------------------------------------------------------------------------- */
 
-/* The lights of a view in the frame's memory: elements first .. first + count - 1. First come the panorama's lamps, then
- * lights that end nowhere, then the others, each kind in the scene's order. With RENDER_LIGHTS_LISTS these are only
+/* The lights of a view in the frame's memory: elements first .. first + count - 1. First come the panorama's lamps,
+ * then lights that end nowhere, then the others, each kind in the scene's order. With RENDER_LIGHTS_LISTS these are
  * those that the view has, and of the others a pixel asks those in the list of its cell. */
 typedef struct render_view_lights {
 	uint32_t first, count;
@@ -363,8 +363,8 @@ typedef struct render_view_lights {
 	uint32_t grid[2];    /* columns | rows << 16, of tiles; log2 of a tile's pixels | slices << 8 */
 } render_view_lights;
 
-/* The lists of a view's cells as shaders read them (lists.glsl): this; then for each cell where its list begins, and once
- * more where the last one ends; then the lists, of places among the lights that do not reach everywhere. */
+/* The lists of a view's cells as shaders read them (mesh.glsl): this; then for each cell where its list begins, and
+ * once more where the last one ends; then the lists, of places among the lights that do not reach everywhere. */
 typedef struct render_light_lists {
 	float depth_plane[4]; /* as of stilb_light_lists */
 	float slice_scale, slice_bias, padding[2];

@@ -1,6 +1,6 @@
 /* Scenes and arguments at the ends of their ranges, one light at a time, and no memory. The linker sends the module's
  * calls of stilb_memory_alloc here (--wrap), to let them fail. */
-#include "support/light_reference.h"
+#include "light_reference.h"
 
 static uint32_t allocations_left = UINT32_MAX;
 

@@ -1,5 +1,5 @@
 /* No light is missing: random points that a light reaches, in random views, against double precision. */
-#include "support/light_reference.h"
+#include "light_reference.h"
 
 #define LIGHTS 300u
 #define POINTS 2000u    /* near the ends of lights */

@@ -1,5 +1,5 @@
 /* The lists have the same bits with any number of threads and any instruction set. */
-#include "support/light_reference.h"
+#include "light_reference.h"
 
 #define POOLS 5u
 #define LIGHTS 3000u

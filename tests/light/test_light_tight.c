@@ -1,6 +1,6 @@
 /* The lists are not much longer than they must be: of the pairs of light and cell, counted is the share of which a
  * point of the cell, out of many that lie evenly in it, is reached. */
-#include "support/light_reference.h"
+#include "light_reference.h"
 
 #define LIGHTS 120u
 #define SIDE 7  /* points along the sides of a cell */

@@ -1,6 +1,6 @@
 /* What a tolerance leaves out of a cell sends no more than it to any point of the cell, all lights together, whatever
  * the material: also a glossy one, whose BRDF times cosine is as high as the peak. */
-#include "support/light_reference.h"
+#include "light_reference.h"
 
 #define LIGHTS 400u
 #define POINTS 400u

@@ -1,6 +1,6 @@
 /* Deferred lighting: surfaces are drawn into images, with the radiance that comes from no light; then a pass over the
- * picture adds that of the lights. Source: Deering and others, "The Triangle Processor and Normal Vector Shader" (1988);
- * Karis, "Deferred rendering 2" (2009). */
+ * picture adds that of the lights. Source: Deering and others, "The Triangle Processor and Normal Vector Shader"
+ * (1988); Karis, "Deferred rendering 2" (2009). */
 #include "render/device/render_images.h"
 #include "render/render_internal.h"
 
@@ -55,7 +55,7 @@ uint32_t render_deferred_bits(const stilb_render_view *view, uint32_t light_bits
 
 float render_deferred_far(const stilb_render_view *view)
 {
-	/* Clip z and w are rows 2 and 3 of the matrix; where z is 0 is far. Along the view by a depth of 1 they change so: */
+	/* Clip z and w are rows 2 and 3 of the matrix; where z is 0 is far. slope: z's change along the view. */
 	const float *m = view->view_projection.m;
 	float along = m[3] * m[3] + m[7] * m[7] + m[11] * m[11];
 	float slope = m[2] * m[3] + m[6] * m[7] + m[10] * m[11];
@@ -133,7 +133,7 @@ static bool deferred_rectangle(const stilb_mat4 *matrix, const render_light *lig
 	return true;
 }
 
-/* Adds a row that adds the light of lights first .. first + count - 1 of the push's. area: NULL: to the whole picture. */
+/* Adds a row that adds the light of the push's lights first .. first + count - 1. area: NULL: to the whole picture. */
 static void deferred_row(render_device *device, const render_frame_target *target, stilb_gpu_program program,
                          const render_push *push, uint32_t first, uint32_t count, const uint16_t area[4])
 {

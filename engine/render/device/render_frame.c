@@ -638,8 +638,8 @@ static stilb_result frame_multipass(render_device *device, const render_stream *
 	return frame_rows(device, stream, FRAME_DRAWS_OTHERS, choice, target, backdrop, push);
 }
 
-/* Adds the rows of a scene pass whose lights are deferred: its surfaces, the lights, and the draws that are lit at once.
- * choice: of these. */
+/* Adds the rows of a scene pass whose lights are deferred: its surfaces, the lights, and the draws that are lit at
+ * once. choice: of these. */
 static stilb_result frame_deferred(render_device *device, const render_stream *stream, render_formula_programs *choice,
                                    render_frame_target *target, bool backdrop, const render_push *push)
 {

@@ -27,10 +27,13 @@
 /* The depth by which that was decided, as "depth"; d32_f, one sample a pixel. */
 #define STILB_RENDER_IMAGE_VELOCITY_DEPTH "velocity depth"
 
-/* With lighting DEFERRED, of the surfaces that are lit so (gbuffer.glsl), rgba16_u, one sample a pixel; of a target with
- * another name NAME " normal", .... They hold anything where none is.
- * normal: the shading normal on the octahedral map, x and y; anisotropy; these three times 0.5, plus 0.5; wrap.
- * diffuse: diffuse reflectance, roughness. specular: specular reflectance at normal incidence, 1. */
+/* With lighting DEFERRED, of the surfaces that are lit so (shaders/deferred/gbuffer.glsl), rgba16_u, one sample a
+ * pixel; of a target with another name NAME " normal", .... They hold anything where none is.
+ *   normal    the shading normal on the octahedral map, x and y; anisotropy; these three times 0.5, plus 0.5; wrap
+ *   diffuse   diffuse reflectance, roughness
+ *   specular  specular reflectance at normal incidence, 1
+ * With STILB_RENDER_GBUFFER_RGBA8, rgba8_u, normal is depth along the view in two numbers, and the normal's x and y
+ * across the pixel's ray; specular has the anisotropy behind it. */
 #define STILB_RENDER_IMAGE_NORMAL "normal"
 #define STILB_RENDER_IMAGE_DIFFUSE "diffuse"
 #define STILB_RENDER_IMAGE_SPECULAR "specular"

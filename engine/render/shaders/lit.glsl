@@ -80,7 +80,7 @@ shade_light light_of(uint index)
 // MESH_GBUFFER: programs that leave the light of lights to a pass over the picture (deferred.frag), and write what that
 // needs of the surface.
 #ifdef MESH_GBUFFER
-#include "gbuffer.glsl"
+#include "deferred/gbuffer.glsl"
 GBUFFER_OUTPUTS
 GbufferSurface gbuffer = gbuffer_none(); // of this pixel
 #endif
@@ -146,7 +146,8 @@ vec3 from_lights(shade_brdf_model model, shade_material material, shade_frame fr
 	if (lights_lists) {
 		uvec2 list = list_here();
 		for (uint i = list.x; i < list.y; i++)
-			radiance += from_light(light_of(push.view.light_count + push.view.lists.words[i]), model, material, frame, v);
+			radiance +=
+				from_light(light_of(push.view.light_count + push.view.lists.words[i]), model, material, frame, v);
 	}
 	return radiance;
 }

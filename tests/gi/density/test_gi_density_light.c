@@ -461,11 +461,11 @@ static void check_tree(chi_square_family *family, const gi_lights *lights, shade
 	static double expected[2 * LIGHTS_MOST + 1];
 	static uint32_t found[2 * LIGHTS_MOST + 1];
 	stilb_vec3 position = random_point(random, 6.0f), normal = shade_proof_random_direction(random);
-	uint32_t nodes = lights->node_count;
+	uint32_t nodes = lights->tree.node_count;
 	double sum = 0.0;
 	for (uint32_t i = 0; i < nodes; i++) {
-		bool leaf = lights->nodes[i].child == GI_LIGHT_LEAF;
-		double chance = leaf ? (double)gi_light_tree_probability(lights->nodes, position, normal, i) : 0.0;
+		bool leaf = lights->tree.nodes[i].child == GI_LIGHT_LEAF;
+		double chance = leaf ? (double)gi_light_tree_probability(&lights->tree, position, normal, i) : 0.0;
 		sum += chance;
 		expected[i] = chance * draws;
 	}
@@ -475,7 +475,7 @@ static void check_tree(chi_square_family *family, const gi_lights *lights, shade
 	for (uint32_t i = 0; i < draws; i++) {
 		float probability;
 		uint32_t leaf =
-			gi_light_tree_choose(lights->nodes, position, normal, shade_proof_uniform(random), &probability);
+			gi_light_tree_choose(&lights->tree, position, normal, shade_proof_uniform(random), &probability);
 		found[leaf == GI_LIGHT_LEAF ? nodes : leaf]++;
 		if (leaf != GI_LIGHT_LEAF)
 			SHADE_PROOF_NEAR(probability * (float)draws, expected[leaf], 1e-5, 0.0);

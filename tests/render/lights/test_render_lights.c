@@ -11,9 +11,9 @@
 #define HEIGHT 67u
 #define LAMPS 60u
 
-/* What deferred lighting may be off by, a share of the light: reflectances in steps of 1 / 65535 with a rounding of half
- * a step, normals likewise, a half float's 11 bits, each taken twice as its pixel adds two. Highlights of the least
- * roughness here multiply an angle's error by some 50. */
+/* What deferred lighting may be off by, a share of the light: reflectances in steps of 1 / 65535 with a rounding of
+ * half a step, normals likewise, a half float's 11 bits, each taken twice as its pixel adds two. Highlights of the
+ * least roughness here multiply an angle's error by some 50. */
 #define DEFERRED_OFF 2e-3
 #define DEFERRED_ADDED 3.0  /* times as much where each light is rounded: up to 16 a pixel, each by 2^-12 */
 #define DEFERRED_FLOOR 1e-4 /* radiance: half floats are coarse beside nothing */
@@ -220,8 +220,8 @@ static void a_field_of_balls(void **state)
 	field_close(&f);
 }
 
-/* Surfaces in 8 bits: matt ones are off by 4 of 255 steps of what a display shows in at most a thousandth of the pixels,
- * and by a hundredth on average; there the camera must have a far end, which the depth's 16 bits cover. */
+/* Surfaces in 8 bits: matt ones are off by 4 of 255 steps of what a display shows in at most a thousandth of the
+ * pixels, and by a hundredth on average; the camera has a far end, which the depth's 16 bits cover. */
 static void surfaces_in_eight_bits(void **state)
 {
 	(void)state;

@@ -1,7 +1,7 @@
 // What images hold of the surface that each pixel shows, for passes over the picture that light it
-// (device/render_images.h). Wide: its normal, octahedral, anisotropy and wrap; diffuse and roughness; specular. In 8 bits:
-// depth in 16, the normal's x and y as the viewer sees it; diffuse and roughness; specular and anisotropy.
-#include "../../shading/shade_impostor.h"
+// (device/render_images.h). Wide: its normal, octahedral, anisotropy and wrap; diffuse and roughness; specular.
+// In 8 bits: depth in 16, the normal's x and y as the viewer sees it; diffuse and roughness; specular and anisotropy.
+#include "../../../shading/shade_impostor.h"
 
 struct GbufferSurface {
 	shade_material material; // as it stands, not as it is seen (shade_surface_seen)
@@ -23,8 +23,8 @@ GbufferAxes gbuffer_axes(vec3 ahead)
 	return GbufferAxes(right, cross(ahead, right));
 }
 
-// A normal's x and y on these, 0 .. 1; its z, towards the viewer, is what is left of 1. On the camera's own axes z could
-// be below 0, at the silhouettes of what is beside the middle of the picture.
+// A normal's x and y on these, 0 .. 1; its z, towards the viewer, is what is left of 1. On the camera's own axes z
+// could be below 0, at the silhouettes of what is beside the middle of the picture.
 vec2 gbuffer_seen(vec3 n, vec3 ahead)
 {
 	GbufferAxes axes = gbuffer_axes(ahead);
@@ -69,16 +69,20 @@ GbufferSurface gbuffer_none()
 		float turned = m.anisotropy * 0.5 + 0.5; \
 		gbuffer_diffuse = vec4(m.diffuse, m.roughness); \
 		gbuffer_specular = vec4(m.specular, gbuffer_narrow ? turned : 1.0); \
-		gbuffer_normal = gbuffer_narrow ? vec4(gbuffer_depth_codes(1.0 / gl_FragCoord.w), gbuffer_seen(surface.normal, normalize(world_position - push.view.camera_position.xyz))) \
-			: vec4(shade_octahedral_from_direction(surface.normal) * 0.5 + 0.5, turned, m.wrap); \
+		gbuffer_normal = vec4(shade_octahedral_from_direction(surface.normal) * 0.5 + 0.5, turned, m.wrap); \
+		if (gbuffer_narrow) { \
+			vec3 ahead = normalize(world_position - push.view.camera_position.xyz); \
+			gbuffer_normal = \
+				vec4(gbuffer_depth_codes(1.0 / gl_FragCoord.w), gbuffer_seen(surface.normal, ahead)); \
+		} \
 	}
 
 // ahead: the unit direction of the pixel's ray.
 GbufferSurface gbuffer_surface(vec4 normal, vec4 diffuse, vec4 specular, vec3 ahead)
 {
 	if (gbuffer_narrow)
-		return GbufferSurface(
-			shade_material(diffuse.xyz, specular.xyz, diffuse.w, specular.w * 2.0 - 1.0, 0.0), gbuffer_unseen(normal.zw, ahead));
+		return GbufferSurface(shade_material(diffuse.xyz, specular.xyz, diffuse.w, specular.w * 2.0 - 1.0, 0.0),
+			gbuffer_unseen(normal.zw, ahead));
 	vec3 place = normal.xyz * 2.0 - 1.0;
 	return GbufferSurface(shade_material(diffuse.xyz, specular.xyz, diffuse.w, place.z, normal.w),
 		shade_direction_from_octahedral(place.xy));

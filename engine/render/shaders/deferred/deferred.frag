@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The light of the view's lights on what the images of surfaces hold (gbuffer.glsl), added to the radiance.
-#include "mesh.glsl"
+#include "../mesh.glsl"
 
 layout(set = 0, binding = 0) uniform sampler2D depth_image;
 layout(set = 0, binding = 1) uniform sampler2D normal_image;
@@ -12,7 +12,7 @@ layout(location = 0) out vec4 color;
 
 vec3 world_position;
 
-#include "lit.glsl"
+#include "../lit.glsl"
 #include "gbuffer.glsl"
 
 void main()
