@@ -65,9 +65,9 @@ static gi_surface surface_of(float diffuse, float specular, float roughness)
 
 static scatter scatter_of(const shade_brdf_model *model, gi_surface *surface, float polar)
 {
-	scatter scatter = {.frame = shade_frame_from_normal(test_normal()), .off = 1.0};
-	gi_bsdf_make(model, surface, view_at(polar), &scatter.bsdf);
-	return scatter;
+	scatter s = {.frame = shade_frame_from_normal(test_normal()), .off = 1.0};
+	gi_bsdf_make(model, surface, view_at(polar), &s.bsdf);
+	return s;
 }
 
 /* ---- highlights -------------------------------------------------------------------------------------------------- */
