@@ -495,18 +495,20 @@ static inline uint32_t render_view_tone(const stilb_render_view *view)
 	return channel == 0 ? view->tone : tones[stilb_scene_channel_kind_of((stilb_scene_surface_channel)(channel - 1))];
 }
 
-/* ---- device/render_deferred.c ---- */
-
-/* Of the programs that draw further lights of a view whose bits are light_bits; 0: it has none. */
-uint32_t render_added_bits(const stilb_render_view *view, uint32_t light_bits);
+/* ---- device/render_ways.c ---- */
 
 /* True if the view's first pass into its target leaves lights to a later pass. */
 bool render_view_is_deferred(const render_device *device, const stilb_render_view *view);
-/* True if surfaces with these RENDER_MAPS_... can be lit later. */
+/* True if surfaces with these RENDER_MAPS_... can be lit later, or in several passes. */
 bool render_maps_are_deferred(uint64_t bits);
-/* Of the programs that draw the view's surfaces, and of the passes that light them. light_bits: the view's. */
+/* render_view_lights.bits of programs, of a view with light_bits: of those that draw further lights (0: it has none),
+ * of those that draw surfaces without lights, and of the passes that light them. */
+uint32_t render_added_bits(const stilb_render_view *view, uint32_t light_bits);
 uint32_t render_gbuffer_bits(const stilb_render_view *view, uint32_t light_bits);
 uint32_t render_deferred_bits(const stilb_render_view *view, uint32_t light_bits);
+
+/* ---- device/render_deferred.c ---- */
+
 /* Adds the images of surfaces to a row that draws the target's radiance. */
 void render_deferred_attach(render_device *device, const stilb_render_view *view, render_frame_target *target,
                             stilb_gpu_pass *row);

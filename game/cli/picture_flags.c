@@ -65,11 +65,10 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	};
 	const flag lighting[] = {
 		{"--lighting", FLAG_CHOICE, &p->lighting, "WAY",
-	     "how pixels find their lights, the same picture each way: auto, forward, multipass, clustered or deferred "
-	     "(auto)",
-	     0, 0, stilb_render_lighting_names},
+	     "how pixels find their lights: auto, forward, multipass, clustered or deferred (auto)", 0, 0,
+	     stilb_render_lighting_names},
 		{"--light-coverage", FLAG_CHOICE, &p->coverage, "WAY",
-	     "of --lighting deferred, the pixels that a light asks: cells, screen or rectangles (cells)", 0, 0,
+	     "of --lighting deferred, what a light asks: cells, screen or rectangles (cells)", 0, 0,
 	     stilb_render_coverage_names},
 		{"--gbuffer", FLAG_CHOICE, &p->gbuffer, "WAY",
 	     "of --lighting deferred, how surfaces are kept: wide or rgba8 (wide)", 0, 0, stilb_render_gbuffer_names},

@@ -226,13 +226,13 @@ static void test_bad_files(void **state)
 	copy_file("good.dump", "bad.dump", size);
 	forge("bad.dump", 24, 0x12345678);
 	assert_bad("bad.dump", "stream hash");
-	for (uint32_t version = 0; version <= 13; version++) {
+	for (uint32_t version = 0; version <= 14; version++) {
 		char reason[80];
 		snprintf(reason, sizeof reason, "header: version %u, but this program reads version 13; 'stilb demo --dump",
 		         version);
 		copy_file("good.dump", "bad.dump", size);
 		forge("bad.dump", 8, version);
-		if (version != 12)
+		if (version != 13)
 			assert_bad("bad.dump", reason);
 	}
 	copy_file("good.dump", "bad.dump", size);

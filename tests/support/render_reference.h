@@ -50,7 +50,8 @@ static inline uint64_t reference_hash_light(uint64_t hash, const stilb_scene_lig
 	return reference_hash_float(hash, round ? light->radius : 0.0f);
 }
 
-/* Continues the hash over the begin of a pass in this view; lights that are only baked are left out. */
+/* Continues the hash over the begin of a pass in this view, of few lights; those that are only baked are left out, and
+ * those that end nowhere come first. */
 static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_view *view)
 {
 	const stilb_render_shading *shading = &view->shading;
@@ -67,9 +68,13 @@ static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_vie
 	for (uint32_t i = 0; i < view->light_count; i++)
 		lit += view->lights[i].use != STILB_SCENE_LIGHT_BAKED;
 	hash = reference_hash_u32(hash, lit);
-	for (uint32_t i = 0; i < view->light_count; i++)
-		if (view->lights[i].use != STILB_SCENE_LIGHT_BAKED)
-			hash = reference_hash_light(hash, &view->lights[i]);
+	for (int ends = 0; ends < 2; ends++)
+		for (uint32_t i = 0; i < view->light_count; i++) {
+			const stilb_scene_light *light = &view->lights[i];
+			bool far = light->kind == STILB_SCENE_LIGHT_DIRECTIONAL || light->falloff == STILB_SCENE_LIGHT_PHYSICAL;
+			if (light->use != STILB_SCENE_LIGHT_BAKED && far != (bool)ends)
+				hash = reference_hash_light(hash, light);
+		}
 	return hash;
 }
 
