@@ -65,7 +65,7 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	};
 	const flag lighting[] = {
 		{"--lighting", FLAG_CHOICE, &p->lighting, "WAY",
-	     "how pixels find their lights: auto, forward, multipass, clustered or deferred (auto)", 0, 0,
+	     "how pixels find lights: auto, forward, multipass, clustered or deferred (auto)", 0, 0,
 	     stilb_render_lighting_names},
 		{"--light-coverage", FLAG_CHOICE, &p->coverage, "WAY",
 	     "of --lighting deferred, what a light asks: cells, screen or rectangles (cells)", 0, 0,
