@@ -53,6 +53,8 @@ typedef struct bare_push {
 	uint32_t light_count;
 	float pixels;                                          /* not read */
 	VkDeviceAddress lights, maps, panorama, view;          /* lights: of sun; maps, panorama: not read */
+	VkDeviceAddress lists;                                 /* not read */
+	uint32_t grid[2];                                      /* not read */
 	VkDeviceAddress rows, materials, vertices, frame_rows; /* the last two are not read */
 } bare_push;
 
