@@ -98,7 +98,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 		.presentation = desc->presentation,
 		.width = desc->width,
 		.height = desc->height,
-		.samples = desc->samples,
+		.samples = desc->samples == 0 && desc->lighting == STILB_RENDER_LIGHTING_DEFERRED ? 1 : desc->samples,
 		.max_anisotropy = desc->max_anisotropy,
 		.specular_aa = desc->specular_aa,
 		.context_count = desc->workers + 1,
@@ -147,6 +147,9 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	STILB_ASSERT(desc->scale == 0.0f ||
 	             (desc->scale >= STILB_ENGINE_MIN_SCALE && desc->scale <= STILB_ENGINE_MAX_SCALE));
 	STILB_ASSERT((unsigned)desc->gamepad <= STILB_ENGINE_GAMEPAD_REPLAY);
+	STILB_ASSERT((unsigned)desc->lighting < STILB_RENDER_LIGHTING_WAYS &&
+	             (unsigned)desc->deferred.coverage < STILB_RENDER_COVERAGE_WAYS &&
+	             (unsigned)desc->deferred.gbuffer < STILB_RENDER_GBUFFER_KINDS);
 	STILB_ASSERT(desc->gamepad != STILB_ENGINE_GAMEPAD_REPLAY || desc->gamepad_recording);
 	STILB_ASSERT(!(desc->window && desc->surface) && "one window");
 	STILB_ASSERT((unsigned)desc->presentation <= STILB_GPU_PRESENT_IMMEDIATE);

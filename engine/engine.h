@@ -179,8 +179,9 @@ typedef struct stilb_engine_desc {
 	stilb_render_materials materials;
 	stilb_render_output output;
 	stilb_render_shading shading;
-	stilb_render_detail detail;     /* which levels of meshes are drawn; {0}: every mesh in full */
-	stilb_render_lighting lighting; /* how pixels find their lights, at first */
+	stilb_render_detail detail; /* which levels of meshes are drawn; {0}: every mesh in full */
+	/* How pixels find their lights, at first. DEFERRED: samples 0 is 1; with 4 frames are lit as AUTO lights them. */
+	stilb_render_lighting lighting;
 	stilb_render_deferred deferred; /* see stilb_render_view */
 	stilb_render_show show;         /* what pictures show at first */
 	bool velocity; /* frames have the image "velocity" (gpu_plan.h finds it): where each pixel was in the frame before.

@@ -96,7 +96,9 @@ static void images_step_lighting(stilb_engine *engine, int step)
 	char text[128];
 	int next = ((int)engine->desc.lighting + step + STILB_RENDER_LIGHTING_WAYS) % STILB_RENDER_LIGHTING_WAYS;
 	engine->desc.lighting = (stilb_render_lighting)next;
-	snprintf(text, sizeof text, "lights %s: %s", stilb_render_lighting_names[next], stilb_render_lighting_words[next]);
+	bool several = next == STILB_RENDER_LIGHTING_DEFERRED && stilb_render_samples(engine->render) > 1;
+	snprintf(text, sizeof text, "lights %s: %s", stilb_render_lighting_names[next],
+	         several ? "with several samples a pixel as auto (--msaa 1)" : stilb_render_lighting_words[next]);
 	engine_overlay_tell(engine, text);
 }
 

@@ -378,7 +378,8 @@ extern const char *const stilb_render_detail_names[];
 /* How a pixel finds the lights that reach it; all ways show the same picture. Lights that end somewhere are those whose
  * falloff is not PHYSICAL, but for DIRECTIONAL ones.
  *   MULTIPASS surfaces that blend, those with layers, and those with a function of the program's are drawn once, as
- *             FORWARD draws them. Source: Schueler, "Minimalist Cook-Torrance" (2011): up to eight lights a pass.
+ *             FORWARD draws them. Where two surfaces lie in the very same place, both get the further lights. Source:
+ *             Schueler, "Minimalist Cook-Torrance" (2011): up to eight lights a pass.
  *   DEFERRED  for pictures of one sample a pixel, and the first pass into a target; else as AUTO. What the images of
  *             surfaces cannot hold is drawn after them as AUTO draws it: surfaces that blend, those with layers, and
  *             those with a function of the program's. */
@@ -400,9 +401,12 @@ extern const char *const stilb_render_lighting_names[];
 /* And their words for users. */
 extern const char *const stilb_render_lighting_words[];
 
-#define STILB_RENDER_LIGHTS_A_PASS 8u /* of MULTIPASS; more from 8,192 lights on, so that passes stay below 1,024 */
+#define STILB_RENDER_LIGHTS_A_PASS                                                                                     \
+	8u /* of MULTIPASS; more where a view would need more than half of the 2,048 passes left to a frame's views */
 
-/* Which pixels a light of deferred lighting asks. */
+/* Which pixels a light of deferred lighting asks. RECTANGLES takes a pass for each light: where a view's would be more
+ * than half of the 2,048 that are left to a frame's views, the lights behind are asked by every pixel; and a frame is
+ * planned anew as lights or the camera move. */
 #define STILB_RENDER_COVERAGES(X)                                                                                      \
 	X(CELLS, cells, "a pixel is written once, with the lights that reach its cell of the view")                        \
 	X(SCREEN, screen, "a pixel is written once, with all lights")                                                      \
@@ -413,9 +417,6 @@ typedef enum stilb_render_coverage {
 	STILB_RENDER_COVERAGES(STILB_RENDER_COVERAGE_ENUM) STILB_RENDER_COVERAGE_WAYS
 } stilb_render_coverage;
 #undef STILB_RENDER_COVERAGE_ENUM
-
-/* Of RECTANGLES so many lights have one; those behind them are asked by every pixel. */
-#define STILB_RENDER_MAX_RECTANGLES 1024u
 
 /* What deferred lighting keeps of surfaces. */
 #define STILB_RENDER_GBUFFERS(X)                                                                                       \
@@ -496,7 +497,7 @@ typedef struct stilb_render_view {
 
 /* Compiles what passes with this view may need, with textures and without, and for the surfaces of scenes that have
  * been set or prepared, unless it is there; frames go on meanwhile, and one that needs what is being compiled waits for
- * it. Read are the lights' kinds, surroundings, backdrop's kind,
+ * it. Read are the lights' number, kinds and falloffs, lighting, surroundings, backdrop's kind,
  * sides, shading, detail, impostors, tone and the target's kind. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE.
  * [any-thread] */
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);
@@ -631,7 +632,8 @@ uint64_t stilb_render_triangles(const stilb_render *render);
 
 /* FNV-1a 64 over the last frame's scene passes in replay order, little endian: the members of the view's
  * stilb_render_shading (32 bits each), sky and ground (3 floats each), glossy, both_sides and the number of lights (32
- * bits each), and the lights that frames show (20 floats each, render_light); then for each draw mesh id, material id
+ * bits each), and the lights that frames show (20 floats each, render_light), those that end nowhere first; of a view
+ * lit by lists only those that may reach it; then for each draw mesh id, material id
  * (32 bits each: those of the scene that was set, or of other handles their indices, counted from 0), the 16 floats of
  * the transform (column-major) and the index count (32 bits), which tells the level; of a draw that fades or morphs
  * also how far it has come (32 bits). The same for every device, replay mode and number of workers.

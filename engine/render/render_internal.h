@@ -497,10 +497,12 @@ static inline uint32_t render_view_tone(const stilb_render_view *view)
 
 /* ---- device/render_ways.c ---- */
 
+/* True if the ways of lighting are some of the enumerations. */
+bool render_view_lighting_is_known(const stilb_render_view *view);
 /* True if the view's first pass into its target leaves lights to a later pass. */
 bool render_view_is_deferred(const render_device *device, const stilb_render_view *view);
 /* True if surfaces with these RENDER_MAPS_... can be lit later, or in several passes. */
-bool render_maps_are_deferred(uint64_t bits);
+bool render_maps_are_plain(uint64_t bits);
 /* render_view_lights.bits of programs, of a view with light_bits: of those that draw further lights (0: it has none),
  * of those that draw surfaces without lights, and of the passes that light them. */
 uint32_t render_added_bits(const stilb_render_view *view, uint32_t light_bits);
@@ -516,7 +518,7 @@ void render_deferred_attach(render_device *device, const stilb_render_view *view
 float render_deferred_far(const stilb_render_view *view);
 /* Adds the rows of the stream's lights. */
 stilb_result render_deferred_lights(render_device *device, const struct render_stream *stream,
-                                    const render_frame_target *target, const render_push *push);
+                                    render_frame_target *target, const render_push *push);
 
 /* ---- render_lights.c ---- */
 

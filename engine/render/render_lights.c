@@ -94,9 +94,10 @@ static stilb_result lights_claim(stilb_render *render, const stilb_render_view *
 	*out = lights->count > 0 ? render_claim(render, RENDER_MEMORY_LIGHTS, lights->count, &lights->first) : NULL;
 	if (lights->count > 0 && !*out)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the frame's %u lights", lights->count);
-	if (lamps > 0)
+	if (lamps > 0) {
 		lights_write_lamps(*out, view, panorama);
-	*out += lamps;
+		*out += lamps;
+	}
 	return STILB_OK;
 }
 
@@ -151,7 +152,7 @@ static void lists_range(const stilb_render_view *view, stilb_light_grid *grid)
 	for (uint32_t i = 0; i < view->light_count; i++) {
 		const stilb_scene_light *light = &view->lights[i];
 		const float *p = light->position;
-		if (!light_ends(light))
+		if (!light_ends(light) || light->use == STILB_SCENE_LIGHT_BAKED)
 			continue;
 		float depth = (m[3] * p[0] + m[7] * p[1] + m[11] * p[2] + m[15]) / scale;
 		nearest = fminf(nearest, depth - light->reach);
@@ -196,7 +197,7 @@ static stilb_result lights_place_lists(stilb_render *render, const stilb_render_
 static bool lights_are_same(const stilb_render_view *a, const stilb_render_view *b)
 {
 	return a->lights == b->lights && a->light_count == b->light_count &&
-	       render_view_is_lit(a) == render_view_is_lit(b) &&
+
 	       a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
 	       a->surroundings.rotation == b->surroundings.rotation;
 }
@@ -216,20 +217,22 @@ stilb_result render_lights_place(stilb_render *render, const stilb_render_pass *
 			continue;
 		const render_panorama *panorama = render_view_panorama(render, view);
 		uint32_t bits = render_light_bits(view, panorama, panorama ? panorama->lamp_count : 0);
-		if (!render_view_is_lit(view)) {
-			placed[p].bits = bits;
-		} else if (bits & RENDER_LIGHTS_LISTS) {
+		placed[p].bits = bits;
+		if (!render_view_is_lit(view))
+			continue;
+		if (bits & RENDER_LIGHTS_LISTS)
 			result = lights_place_lists(render, view, panorama, &placed[p], pool, worker);
-			placed[p].bits = bits;
-		} else {
-			if (!last || !lights_are_same(view, last)) {
-				now = (render_view_lights){0};
-				result = lights_place_all(render, view, panorama, &now);
-				last = view;
-			}
-			placed[p] = now;
-			placed[p].bits = bits;
+		/* A view that cannot be cut into cells shows nothing, or a plane: asking all lights is as well. */
+		if (bits & RENDER_LIGHTS_LISTS && result != STILB_ERROR_ARGUMENT)
+			continue;
+		result = STILB_OK;
+		if (!last || !lights_are_same(view, last)) {
+			now = (render_view_lights){0};
+			result = lights_place_all(render, view, panorama, &now);
+			last = view;
 		}
+		placed[p] = now;
+		placed[p].bits = bits & ~RENDER_LIGHTS_LISTS;
 	}
 	return result;
 }

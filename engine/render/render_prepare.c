@@ -201,7 +201,7 @@ static stilb_result prepare_known_maps(render_resources *resources, render_known
 
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view)
 {
-	STILB_ASSERT(render && view);
+	STILB_ASSERT(render && view && render_view_lighting_is_known(view));
 	PROFILE("prepare a view");
 	bool panorama = view->surroundings.panorama.pixels;
 	uint32_t made[PREPARE_LAMPS];

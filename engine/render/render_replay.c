@@ -215,7 +215,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	STILB_ASSERT(pass_count >= 1 && pass_count <= STILB_RENDER_MAX_PASSES && render->state == RENDER_FRAME_BEGUN);
 	for (const stilb_render_pass *pass = passes; pass < passes + pass_count; pass++)
 		STILB_ASSERT(pass->kind != STILB_RENDER_PASS_SCENE ||
-		             (pass->view < view_count && replay_target_is_sound(views[pass->view].target)));
+		             (pass->view < view_count && replay_target_is_sound(views[pass->view].target) &&
+		              render_view_lighting_is_known(&views[pass->view])));
 	render_device *device = render->device;
 	device->stats = (stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_other_bytes(render)};
 	render->state = RENDER_FRAME_REPLAYED;
@@ -238,7 +239,9 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 			.view = view,
 			.panorama = view ? render_view_panorama(render, view) : NULL,
 			.lights = lights[index],
-			.written = (const render_light *)render->memory[RENDER_MEMORY_LIGHTS].data + lights[index].first,
+			.written = lights[index].count > 0
+		                   ? (const render_light *)render->memory[RENDER_MEMORY_LIGHTS].data + lights[index].first
+		                   : NULL,
 		};
 		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}

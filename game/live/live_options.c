@@ -420,8 +420,6 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.shading = picture_flags_shading(&o->picture, o->brdf);
 	desc.detail = picture_flags_detail(&o->picture);
 	desc.lighting = (stilb_render_lighting)o->picture.lighting;
-	if (desc.samples == 0 && desc.lighting == STILB_RENDER_LIGHTING_DEFERRED)
-		desc.samples = 1;
 	desc.deferred.coverage = (stilb_render_coverage)o->picture.coverage;
 	desc.deferred.gbuffer = (stilb_render_gbuffer)o->picture.gbuffer;
 	picture_shown image;

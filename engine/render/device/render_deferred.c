@@ -21,8 +21,10 @@ float render_deferred_far(const stilb_render_view *view)
 	float slope = m[2] * m[3] + m[6] * m[7] + m[10] * m[11];
 	float at =
 		m[2] * view->camera_position[0] + m[6] * view->camera_position[1] + m[10] * view->camera_position[2] + m[14];
-	float far = along > 0.0f ? -at * sqrtf(along) / slope : 0.0f;
-	return far > 0.0f && isfinite(far) ? far : DEFERRED_FAR;
+	if (!(along > 0.0f))
+		return m[15]; /* a parallel view */
+	float far = -at * along / slope;
+	return far > 0.0f && isfinite(far) ? far : DEFERRED_FAR * sqrtf(along);
 }
 
 void render_deferred_attach(render_device *device, const stilb_render_view *view, render_frame_target *target,
@@ -98,7 +100,7 @@ static void deferred_row(render_device *device, const render_frame_target *targe
                          const render_push *push, uint32_t first, uint32_t count, const uint16_t area[4])
 {
 	stilb_gpu_pass row = {
-		.name = "lights",
+		.name = target->lights,
 		.kind = STILB_GPU_PASS_FULLSCREEN,
 		.program = program.id,
 		.color_count = 1,
@@ -119,8 +121,8 @@ static void deferred_row(render_device *device, const render_frame_target *targe
 	stilb_gpu_plan_pass(device->plan, &row);
 }
 
-stilb_result render_deferred_lights(render_device *device, const render_stream *stream,
-                                    const render_frame_target *target, const render_push *push)
+stilb_result render_deferred_lights(render_device *device, const render_stream *stream, render_frame_target *target,
+                                    const render_push *push)
 {
 	render_formula_programs *choice;
 	const stilb_render_view *view = stream->view;
@@ -131,9 +133,13 @@ stilb_result render_deferred_lights(render_device *device, const render_stream *
 		result = render_programs_deferred(device, choice);
 	if (result != STILB_OK || lights->count == 0)
 		return result;
+	snprintf(target->lights, sizeof target->lights, "%.*s lights", (int)(sizeof target->lights - sizeof " lights"),
+	         stream->pass->name ? stream->pass->name : "pass");
 	bool rectangles = view->deferred.coverage == STILB_RENDER_COVERAGE_RECTANGLES;
 	uint32_t ending = lights->count - lights->endless;
-	uint32_t each = !rectangles ? 0 : ending < STILB_RENDER_MAX_RECTANGLES ? ending : STILB_RENDER_MAX_RECTANGLES;
+	uint32_t most = render_light_rows_left(device->frame.light_rows);
+	uint32_t each = !rectangles ? 0 : ending < most ? ending : most;
+	device->frame.light_rows += each;
 	bool cells = view->deferred.coverage == STILB_RENDER_COVERAGE_CELLS;
 	uint32_t whole = cells ? lights->everywhere : rectangles ? lights->endless : lights->count;
 	if (whole > 0 || cells)

@@ -40,7 +40,7 @@ typedef struct render_view_data {
 	uint64_t extras, extra_places;  /* of the heaps of these */
 	float time;                     /* seconds, for functions of surfaces */
 	float half_size[2];             /* of what is drawn into, pixels */
-	float far;                      /* the largest depth that surfaces in 8 bits have, metres */
+	float far;                      /* the largest w of clip space that surfaces in 8 bits have */
 	float last_view_projection[16]; /* for velocities alone */
 	uint64_t last_vertices;         /* the heap of these */
 	uint64_t also_padding;
@@ -175,7 +175,7 @@ typedef enum render_formula {
 	RENDER_FORMULA_NDF,
 	RENDER_FORMULA_G,
 	RENDER_FORMULA_F,
-	RENDER_FORMULA_LIGHTS, /* render_stream.light_bits */
+	RENDER_FORMULA_LIGHTS, /* render_view_lights.bits */
 	RENDER_FORMULAS,
 } render_formula;
 
@@ -255,9 +255,9 @@ typedef struct render_device_maps {
  * materials. */
 #define RENDER_BINDINGS (RENDER_PROGRAM_KINDS * RENDER_SURFACES * 2 * 2)
 
-/* Of a frame: for each pass up to three (render_through.c) and one of velocities, one that shows nothing, and those of
- * features. */
-#define RENDER_MAX_LISTS (4u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
+/* Of a frame: for each pass two of surfaces that are lit later or again (render_ways.c), up to three of others
+ * (render_through.c) and one of velocities, one that shows nothing, and those of features. */
+#define RENDER_MAX_LISTS (6u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
 
 /* The draws of a pass. */
 typedef struct render_list {
@@ -272,6 +272,14 @@ typedef struct render_list {
 /* By stilb_render_gbuffer: behind that of radiance. */
 extern const stilb_gpu_format render_gbuffer_formats[STILB_RENDER_GBUFFER_KINDS][1 + RENDER_GBUFFER_IMAGES];
 
+/* Rows of a frame for further lights and single lights, of all views, at most: the plan's limit is twice that. */
+#define RENDER_LIGHT_ROWS 2048u
+/* How many of them a view may add: half of what is left. */
+static inline uint32_t render_light_rows_left(uint32_t used)
+{
+	return used < RENDER_LIGHT_ROWS ? (RENDER_LIGHT_ROWS - used + 1) / 2 : 0;
+}
+
 /* The images of a stilb_render_target in a frame. */
 typedef struct render_frame_target {
 	const stilb_render_target
@@ -281,6 +289,7 @@ typedef struct render_frame_target {
 	uint16_t behind;                /* as of render_through.c; 0: no pass has needed it so far */
 	uint16_t velocity, velocity_depth;        /* of one sample a pixel; 0: no view has asked for them so far */
 	uint16_t surfaces[RENDER_GBUFFER_IMAGES]; /* in the order of gbuffer.glsl; 0: as those */
+	char lights[STILB_GPU_MAX_NAME + 1];      /* name of the rows that light surfaces */
 	bool drawn;                               /* a pass has drawn into it */
 	bool transparent;                         /* the backdrop is nothing, and alpha counts */
 	uint32_t width, height;
@@ -301,6 +310,7 @@ typedef struct render_frame {
 	uint32_t views;            /* of slot.views that are in use */
 	uint32_t backdrops;
 	uint32_t list_count, own_lists, run_count; /* own_lists: those of features */
+	uint32_t light_rows;                       /* that draw further lights of views, or one light */
 	uint32_t target_count;
 	render_frame_target targets[STILB_RENDER_MAX_PASSES];
 	struct {

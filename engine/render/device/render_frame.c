@@ -180,7 +180,7 @@ static stilb_gpu_binding list_bind_flats(render_device *device, uint32_t binding
 /* Which of a stream's draws a list has. */
 typedef enum frame_draws {
 	FRAME_DRAWS_ALL,
-	FRAME_DRAWS_DEFERRED, /* those of surfaces that deferred lighting can hold */
+	FRAME_DRAWS_PLAIN, /* those of surfaces that deferred lighting can hold */
 	FRAME_DRAWS_OTHERS,
 } frame_draws;
 
@@ -263,9 +263,9 @@ static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gp
 	const render_device *device = maker->device;
 	uint64_t bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
 	*run = (stilb_gpu_run){.first = from->first, .count = from->count};
-	bool deferred = !(from->state & RENDER_STATE_MAPS) ||
-	                render_maps_are_deferred(device->maps[render_state_group(from->state)].bits);
-	*drawn = maker->draws == FRAME_DRAWS_ALL || deferred == (maker->draws == FRAME_DRAWS_DEFERRED);
+	bool deferred =
+		!(from->state & RENDER_STATE_MAPS) || render_maps_are_plain(device->maps[render_state_group(from->state)].bits);
+	*drawn = maker->draws == FRAME_DRAWS_ALL || deferred == (maker->draws == FRAME_DRAWS_PLAIN);
 	if (!*drawn)
 		return STILB_OK;
 	if (maker->depth && bits & RENDER_MAPS_BLEND) {
@@ -555,7 +555,7 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 			part.end = part.first;
 			through = false;
 		}
-		if (through && draws == FRAME_DRAWS_DEFERRED)
+		if (through && draws == FRAME_DRAWS_PLAIN)
 			continue; /* none of these is */
 		if (through)
 			result = render_through_copy(device, stream, target);
@@ -606,30 +606,30 @@ static stilb_result frame_velocity(render_device *device, const render_stream *s
 	return STILB_OK;
 }
 
-#define FRAME_MULTIPASS 1024u /* passes of a view's lights at most; then a pass has more of them */
-
 /* Adds the rows of a scene pass that is drawn again for further lights. choice: of the first ones. */
 static stilb_result frame_multipass(render_device *device, const render_stream *stream, render_formula_programs *choice,
                                     render_frame_target *target, bool backdrop, const render_push *push)
 {
 	render_formula_programs *further;
 	uint32_t added = render_added_bits(stream->view, stream->lights.bits), surfaces = frame_surfaces(stream), list;
-	uint32_t count = stream->lights.count, each = (count + FRAME_MULTIPASS - 1) / FRAME_MULTIPASS;
+	uint32_t count = stream->lights.count, rows = render_light_rows_left(device->frame.light_rows);
+	uint32_t each = rows > 0 ? (count + rows - 1) / rows : count;
 	each = each > STILB_RENDER_LIGHTS_A_PASS ? each : STILB_RENDER_LIGHTS_A_PASS;
 	render_push part = *push;
 	part.view.light_count = each;
-	stilb_result result = frame_rows(device, stream, FRAME_DRAWS_DEFERRED, choice, target, backdrop, &part);
+	stilb_result result = frame_rows(device, stream, FRAME_DRAWS_PLAIN, choice, target, backdrop, &part);
 	if (result == STILB_OK)
 		result = render_programs_choose(device, &stream->view->shading, added, stream->kinds, surfaces, &further);
 	if (result == STILB_OK)
-		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_DEFERRED, further, &list);
+		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, further, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " further lights");
 	frame_attach(stream, target, backdrop, &row);
 	if (render_formulas_are_gloss(further))
 		frame_gloss(device, &row);
-	for (uint32_t first = each; first < count; first += each) {
+	for (uint32_t first = each; first < count && device->draws[list].run_count > 0; first += each) {
+		device->frame.light_rows++;
 		part.view.lights = push->view.lights + first * sizeof(render_light);
 		part.view.light_count = count - first < each ? count - first : each;
 		row_constants(&row, &part, sizeof part);
@@ -649,7 +649,7 @@ static stilb_result frame_deferred(render_device *device, const render_stream *s
 		render_programs_choose(device, &stream->view->shading, bits, stream->kinds, frame_surfaces(stream), &surfaces);
 	uint32_t list;
 	if (result == STILB_OK)
-		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_DEFERRED, surfaces, &list);
+		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, surfaces, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " surfaces");

@@ -515,7 +515,7 @@ static stilb_result prepare_maps(render_device *device, render_formula_programs 
 	return result;
 }
 
-/* True if only surfaces of render_maps_are_deferred are drawn with them. */
+/* True if only surfaces of render_maps_are_plain are drawn with them. */
 static bool formulas_are_of_some(const render_formula_programs *choice)
 {
 	return choice->formulas[RENDER_FORMULA_LIGHTS] & (RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_ADDED);
@@ -530,7 +530,7 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 	for (uint32_t m = 0; m < 2 * maps->count && result == STILB_OK; m++) {
 		bool extras = m % 2 == 1;
 		uint64_t bits = render_maps_program_bits(maps->bits[m / 2], extras, view->both_sides, depth);
-		if (!(extras ? maps->extras : maps->plain) || (formulas_are_of_some(choice) && !render_maps_are_deferred(bits)))
+		if (!(extras ? maps->extras : maps->plain) || (formulas_are_of_some(choice) && !render_maps_are_plain(bits)))
 			continue;
 		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
 			result = prepare_maps(device, choice, kinds, bits);

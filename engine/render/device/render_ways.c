@@ -7,12 +7,19 @@ const stilb_gpu_format render_gbuffer_formats[STILB_RENDER_GBUFFER_KINDS][1 + RE
 	[STILB_RENDER_GBUFFER_RGBA8] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U},
 };
 
+bool render_view_lighting_is_known(const stilb_render_view *view)
+{
+	return (uint32_t)view->lighting < STILB_RENDER_LIGHTING_WAYS &&
+	       (uint32_t)view->deferred.coverage < STILB_RENDER_COVERAGE_WAYS &&
+	       (uint32_t)view->deferred.gbuffer < STILB_RENDER_GBUFFER_KINDS;
+}
+
 bool render_view_is_deferred(const render_device *device, const stilb_render_view *view)
 {
 	return view->lighting == STILB_RENDER_LIGHTING_DEFERRED && device->samples == 1 && render_view_is_lit(view);
 }
 
-bool render_maps_are_deferred(uint64_t bits)
+bool render_maps_are_plain(uint64_t bits)
 {
 	return !(bits & (RENDER_MAPS_BLEND | RENDER_MAPS_LAYERS | RENDER_MAPS_THROUGH)) && render_maps_function(bits) == 0;
 }

@@ -82,6 +82,7 @@ vec3 place_of(Pictures p)
 
 float depth_of(vec3 place)
 {
-	vec4 clip = push.view.rest.view_projection * vec4(place, 1.0);
-	return clip.z / clip.w;
+	precise vec4 clip = push.view.rest.view_projection * vec4(place, 1.0);
+	precise float depth = clip.z / clip.w; // the same for programs of further lights
+	return depth;
 }

@@ -22,7 +22,7 @@ const bool lights_gloss = (lights & 128u) != 0; // highlights mirror sky and gro
 const bool lights_panorama = (lights & 256u) != 0; // its light in place of theirs
 const bool both_sides = (lights & 512u) != 0;   // triangles are seen from behind, too
 const bool lights_one = (lights & 1024u) != 0;  // the list has one light
-const bool lights_added = (lights & 65536u) != 0; // they are added to what has been drawn, which has all else
+const bool adds_lights = (lights & 65536u) != 0; // they are added to what has been drawn, which has all else
 const bool lights_lists = (lights & 8192u) != 0; // lights that end somewhere are found by lists
 
 Material stored_material(uint index)
@@ -262,7 +262,7 @@ vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 
 	material = shade_surface_seen(model, material, dot(n, to_camera));
 	vec3 radiance = from_lights(model, material, frame_here(n), to_camera);
 #endif
-	if (lights_added)
+	if (adds_lights)
 		return radiance;
 	if (lights_panorama)
 		radiance += shade_lambert(material.diffuse) * panorama_irradiance(n) * open;
@@ -329,7 +329,7 @@ vec3 level_color(uint word, vec3 n, vec3 to_camera)
 		vec3(0.1, 0.6, 0.1), vec3(0.05, 0.25, 0.85), vec3(0.45, 0.1, 0.75));
 	uint level = word >> DETAIL_MATERIAL_SHIFT;
 	vec3 color = level == 0u ? vec3(0.25) : level == 1u ? colors[0] : colors[1u + (level - 2u) % 6u];
-	return lights_added ? vec3(0.0) : color * (0.35 + 0.65 * abs(dot(n, to_camera)));
+	return adds_lights ? vec3(0.0) : color * (0.35 + 0.65 * abs(dot(n, to_camera)));
 }
 
 // A draw's radiance as the picture has it. material: its index.
@@ -341,5 +341,5 @@ vec4 picture_color(vec3 radiance, uint material)
 		gbuffer = gbuffer_none();
 	gbuffer_write(gbuffer);
 #endif
-	return vec4(black ? vec3(0.0) : radiance, lights_added ? 0.0 : 1.0);
+	return vec4(black ? vec3(0.0) : radiance, adds_lights ? 0.0 : 1.0);
 }

@@ -345,7 +345,7 @@ vec3 radiance_here(Surface surface, float spread, Material stored, vec3 to_camer
 #endif
 {
 	if (unlit)
-		return lights_added ? vec3(0.0) : surface.color;
+		return adds_lights ? vec3(0.0) : surface.color;
 	shade_gltf_base base = base_of(surface);
 	if (widens)
 		base.roughness = widened(base.roughness, spread, record_part(stored.ids.y, 3u).x);

@@ -56,7 +56,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	ExtraPlaces extra_places;
 	float time; // seconds, for functions of surfaces
 	float half_width, half_height; // of what is drawn into, pixels
-	float far;                     // the largest depth that surfaces in 8 bits have, metres
+	float far;                     // the largest w of clip space that surfaces in 8 bits have
 	mat4 last_view_projection;     // of the frame before, for velocities alone
 	LastVertices last_vertices;
 	mat4 from_clip; // clip space to the world
@@ -101,7 +101,7 @@ Row row_of(uint word)
 	return rows.rows[word & (ROW_FRAME - 1u)];
 }
 
-// Of render_stream.light_bits: velocities are drawn (velocity.glsl).
+// Of render_view_lights.bits: velocities are drawn (velocity.glsl).
 #define LIGHTS_VELOCITY 4096u
 
 // What the high bits of a draw's row word mean (render_internal.h, RENDER_DETAIL_SHIFT).

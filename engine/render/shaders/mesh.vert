@@ -141,6 +141,8 @@ vec3 last_position(Row row, vec3 local, vec3 now)
 	return vec3(dot(was.transform[0], p), dot(was.transform[1], p), dot(was.transform[2], p));
 }
 
+precise gl_Position; // further lights are drawn by other programs, at the same depth
+
 void main()
 {
 	uint word = uint(gl_InstanceIndex);

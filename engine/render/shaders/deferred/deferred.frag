@@ -23,14 +23,16 @@ void main()
 		discard;
 	vec2 size = 2.0 * vec2(push.view.rest.half_width, push.view.rest.half_height);
 	vec4 place = push.view.rest.from_clip * vec4(gl_FragCoord.xy / size * 2.0 - 1.0, depth, 1.0);
+	if (place.w == 0.0) // the view's matrix has no inverse
+		discard;
 	world_position = place.xyz / place.w;
 	vec4 normal = texelFetch(normal_image, at, 0);
 	vec3 camera = push.view.camera_position.xyz;
 	vec3 ray = world_position - camera, to_camera = -normalize(ray);
 	if (gbuffer_narrow) // along the same ray, as far as the codes say
 		world_position = camera + ray * (gbuffer_depth(normal.xy) * place.w);
-	GbufferSurface surface =
-		gbuffer_surface(normal, texelFetch(diffuse_image, at, 0), texelFetch(specular_image, at, 0), -to_camera);
+	vec4 diffuse = texelFetch(diffuse_image, at, 0), specular = texelFetch(specular_image, at, 0);
+	GbufferSurface surface = gbuffer_surface(normal, diffuse, specular, gbuffer_ahead(world_position));
 	shade_brdf_model model = {brdf, ndf, g, f};
 	shade_material material = shade_surface_seen(model, surface.material, dot(surface.normal, to_camera));
 	color = vec4(from_lights(model, material, frame_here(surface.normal), to_camera), 0.0);

@@ -15,6 +15,14 @@ struct GbufferAxes {
 	vec3 right, down;
 };
 
+// The unit direction of the ray that shows a point; of a parallel view the same everywhere: depth falls along it.
+vec3 gbuffer_ahead(vec3 place)
+{
+	mat4 m = push.view.rest.view_projection;
+	vec3 w = vec3(m[0].w, m[1].w, m[2].w);
+	return normalize(dot(w, w) > 0.0 ? place - push.view.camera_position.xyz : -vec3(m[0].z, m[1].z, m[2].z));
+}
+
 GbufferAxes gbuffer_axes(vec3 ahead)
 {
 	mat4 m = push.view.rest.view_projection;
@@ -28,7 +36,10 @@ GbufferAxes gbuffer_axes(vec3 ahead)
 vec2 gbuffer_seen(vec3 n, vec3 ahead)
 {
 	GbufferAxes axes = gbuffer_axes(ahead);
-	return vec2(dot(n, axes.right), dot(n, axes.down)) * 0.5 + 0.5;
+	vec2 xy = vec2(dot(n, axes.right), dot(n, axes.down));
+	if (dot(n, ahead) > 0.0) // of a coarse mesh, between its vertices: bent until it is at the silhouette
+		xy = normalize(xy);
+	return xy * 0.5 + 0.5;
 }
 
 vec3 gbuffer_unseen(vec2 seen, vec3 ahead)
@@ -39,10 +50,18 @@ vec3 gbuffer_unseen(vec2 seen, vec3 ahead)
 	return normalize(axes.right * xy.x + axes.down * xy.y - ahead * z);
 }
 
-// A depth along the view as two numbers of 8 bits, and back.
-vec2 gbuffer_depth_codes(float depth)
+// The w of a point in clip space: its depth along the view, times what the view's matrix scales it by; in parallel
+// views the same everywhere, so that there depth alone tells the place.
+float gbuffer_w(vec3 place)
 {
-	float code = floor(clamp(depth / push.view.rest.far, 0.0, 1.0) * 65535.0 + 0.5), high = floor(code / 256.0);
+	mat4 m = push.view.rest.view_projection;
+	return m[0].w * place.x + m[1].w * place.y + m[2].w * place.z + m[3].w;
+}
+
+// A w as two numbers of 8 bits, and back.
+vec2 gbuffer_depth_codes(float w)
+{
+	float code = floor(clamp(w / push.view.rest.far, 0.0, 1.0) * 65535.0 + 0.5), high = floor(code / 256.0);
 	return vec2(high, code - 256.0 * high) / 255.0;
 }
 
@@ -71,9 +90,9 @@ GbufferSurface gbuffer_none()
 		gbuffer_specular = vec4(m.specular, gbuffer_narrow ? turned : 1.0); \
 		gbuffer_normal = vec4(shade_octahedral_from_direction(surface.normal) * 0.5 + 0.5, turned, m.wrap); \
 		if (gbuffer_narrow) { \
-			vec3 ahead = normalize(world_position - push.view.camera_position.xyz); \
+			vec3 ahead = gbuffer_ahead(world_position); \
 			gbuffer_normal = \
-				vec4(gbuffer_depth_codes(1.0 / gl_FragCoord.w), gbuffer_seen(surface.normal, ahead)); \
+				vec4(gbuffer_depth_codes(gbuffer_w(world_position)), gbuffer_seen(surface.normal, ahead)); \
 		} \
 	}
 
