@@ -469,6 +469,8 @@ static void surfaces_of_every_kind(void **state)
 	for (int way = 0; way < STILB_RENDER_LIGHTING_WAYS; way++)
 		stilb_image_finish(&pictures[way]);
 	stage_close(&s);
+	for (int t = 0; t < 2; t++)
+		stilb_image_finish(&images[t]);
 }
 
 /* ---- impostors --------------------------------------------------------------------------------------------------- */
