@@ -183,7 +183,7 @@ static stilb_result lights_place_lists(stilb_render *render, const stilb_render_
 		result = lights_claim(render, view, panorama, lists->light_count, lights, &out);
 	if (result != STILB_OK)
 		return result;
-	for (uint32_t i = 0; i < lists->light_count; i++)
+	for (uint32_t i = 0; out && i < lists->light_count; i++)
 		lights_write(out++, &view->lights[lists->lights[i]]);
 	lights->endless = lights->everywhere = lights->count - lists->light_count + lists->everywhere_count;
 	lights->grid[0] = lists->columns | lists->rows << 16;

@@ -100,7 +100,7 @@ void WEIGH(const gi_light_eight *children, uint32_t count, stilb_vec3 position, 
            gi_light_weights *weights)
 {
 	for (uint32_t i = 0; i < count; i++) {
-		float *each = &weights->each[8 * i];
+		float *each = &weights->each[(size_t)8 * i];
 		for (uint32_t first = 0; first < 8; first += LANES) {
 			lanes some = importance(&children[i], first, position, normal);
 			memcpy(&each[first], &some, sizeof some);

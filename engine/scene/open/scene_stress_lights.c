@@ -61,7 +61,7 @@ static stilb_scene_light lamp_at(const stilb_scene *scene, uint32_t lamp, double
 	                   lamp_random(scene, lamp, LAMP_SATURATION, 0.2f, 0.8f), intensity, light.intensity);
 	if (light.kind == STILB_SCENE_LIGHT_SPOT) {
 		float swing = LAMP_SWING * sinf(angle);
-		light.direction[lamp / 4 % 2 * 2] = sinf(swing);
+		light.direction[lamp / 4 % 2 == 0 ? 0 : 2] = sinf(swing);
 		light.direction[1] = -cosf(swing);
 	} else if (lamp % 4 == 3) {
 		light.position[0] += 0.4f * reach * cosf(angle);
