@@ -421,7 +421,7 @@ typedef enum stilb_render_coverage {
 /* What deferred lighting keeps of surfaces. */
 #define STILB_RENDER_GBUFFERS(X)                                                                                       \
 	X(WIDE, wide, "24 bytes a pixel: 16 bits a number, and depth")                                                     \
-	X(RGBA8, rgba8, "12 bytes a pixel: 8 bits a number, depth in 16, the normal as x and y as the camera sees them")
+	X(RGBA8, rgba8, "12 bytes a pixel: 8 bits a number, depth in 16, the normal as x and y across the pixel's ray")
 
 #define STILB_RENDER_GBUFFER_ENUM(id, ...) STILB_RENDER_GBUFFER_##id,
 typedef enum stilb_render_gbuffer {

@@ -197,7 +197,6 @@ static stilb_result lights_place_lists(stilb_render *render, const stilb_render_
 static bool lights_are_same(const stilb_render_view *a, const stilb_render_view *b)
 {
 	return a->lights == b->lights && a->light_count == b->light_count &&
-
 	       a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
 	       a->surroundings.rotation == b->surroundings.rotation;
 }

@@ -180,7 +180,7 @@ static stilb_gpu_binding list_bind_flats(render_device *device, uint32_t binding
 /* Which of a stream's draws a list has. */
 typedef enum frame_draws {
 	FRAME_DRAWS_ALL,
-	FRAME_DRAWS_PLAIN, /* those of surfaces that deferred lighting can hold */
+	FRAME_DRAWS_PLAIN, /* those that can be lit later, or in several passes (render_maps_are_plain) */
 	FRAME_DRAWS_OTHERS,
 } frame_draws;
 
@@ -263,9 +263,9 @@ static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gp
 	const render_device *device = maker->device;
 	uint64_t bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
 	*run = (stilb_gpu_run){.first = from->first, .count = from->count};
-	bool deferred =
+	bool plain =
 		!(from->state & RENDER_STATE_MAPS) || render_maps_are_plain(device->maps[render_state_group(from->state)].bits);
-	*drawn = maker->draws == FRAME_DRAWS_ALL || deferred == (maker->draws == FRAME_DRAWS_PLAIN);
+	*drawn = maker->draws == FRAME_DRAWS_ALL || plain == (maker->draws == FRAME_DRAWS_PLAIN);
 	if (!*drawn)
 		return STILB_OK;
 	if (maker->depth && bits & RENDER_MAPS_BLEND) {

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The random numbers of one lamp. */
 enum lamp_stream { LAMP_X, LAMP_Z, LAMP_HEIGHT, LAMP_HUE, LAMP_SATURATION, LAMP_PHASE, LAMP_SPEED, LAMP_STREAMS };
@@ -35,15 +34,15 @@ static float lamp_reach(const stilb_scene *scene)
 	return fmaxf(LAMP_REACH_MIN, fminf(reach, LAMP_REACH_SHARE * field));
 }
 
-/* Where lamp number `lamp` is and what it sends at a time. Every fourth one is a spot that swings, every fourth one a
- * small sphere; of the others every second one moves in a circle. */
-static stilb_scene_light lamp_at(const stilb_scene *scene, uint32_t lamp, double seconds)
+/* Where lamp number `lamp` is and what it sends at a time. field, reach: those of all. Every fourth one is a spot that
+ * swings, every fourth one a small sphere; of the others every second one moves in a circle. */
+static stilb_scene_light lamp_at(const stilb_scene *scene, float field, float reach, uint32_t lamp, double seconds)
 {
-	float half = 0.5f * lamp_field(scene), reach = lamp_reach(scene);
+	float half = 0.5f * field;
 	double turns = seconds * (double)lamp_random(scene, lamp, LAMP_SPEED, 0.1f, 0.4f);
 	float angle = LAMP_TURN * (lamp_random(scene, lamp, LAMP_PHASE, 0.0f, 1.0f) + (float)(turns - floor(turns)));
 	float height = 1.0f + lamp_random(scene, lamp, LAMP_HEIGHT, 0.15f, 0.4f) * reach;
-	float intensity = 4.0f * height * height; /* twice a bright sky's light on the ground below */
+	float intensity = 4.0f * height * height; /* 4 W m^-2 on the ground below, were there no window */
 	stilb_scene_light light = {
 		.kind = lamp % 4 == 0   ? STILB_SCENE_LIGHT_SPOT
 	            : lamp % 4 == 1 ? STILB_SCENE_LIGHT_SPHERE
@@ -90,6 +89,7 @@ stilb_result stilb_scene_stress_add_lamps(stilb_scene *scene, uint32_t count)
 void stilb_scene_stress_move_lamps(stilb_scene *scene, double seconds)
 {
 	STILB_ASSERT(scene && scene->stress_lamps > 0 && isfinite(seconds));
+	float field = lamp_field(scene), reach = lamp_reach(scene);
 	for (uint32_t i = 0; i < scene->stress_lamps; i++)
-		scene->lights[1 + i] = lamp_at(scene, i, seconds);
+		scene->lights[1 + i] = lamp_at(scene, field, reach, i, seconds);
 }
