@@ -34,18 +34,19 @@ endif()
 set(headers
 	base/base.h base/base_math.h
 	image/image.h
-	scene/scene.h scene/scene_animation.h scene/play/scene_play.h scene/scene_build.h scene/scene_channel.h scene/function/scene_function.h scene/scene_impostor.h scene/scene_look.h scene/scene_pick.h scene/scene_streams.h scene/scene_surface.h
+	scene/scene.h scene/scene_animation.h scene/play/scene_play.h scene/scene_build.h scene/scene_channel.h scene/function/scene_function.h scene/scene_impostor.h scene/scene_look.h scene/open/scene_lights.h scene/scene_pick.h scene/scene_streams.h scene/scene_surface.h
 	scene/edit/scene_edit.h scene/edit/scene_node.h scene/edit/scene_variant.h
-	geometry/geometry.h geometry/geometry_levels.h geometry/geometry_detail.h geometry/geometry_impostor.h geometry/horde/geometry_horde.h
+	geometry/geometry.h geometry/geometry_levels.h geometry/geometry_detail.h geometry/geometry_impostor.h geometry/geometry_lights.h geometry/horde/geometry_horde.h
 	shading/shade_model.h
 	window/window.h
 	input/input.h input/input_actions.h input/input_camera.h input/input_control.h input/input_pad.h
 	culling/cull.h
-	light/light.h
+	light/light.h shadow/shadow.h
 	gpu/gpu.h gpu/gpu_device.h gpu/gpu_format.h gpu/gpu_plan.h
 	render/render.h
 	ui/ui_draw.h
 	debug/debug_draw.h
+	post/post.h
 	engine.h
 	gi/gi_scene.h gi/gi_render.h)
 set(elsewhere jobs/job.h profiler/prof_capture.h) # public headers of the libraries that install themselves
@@ -73,6 +74,8 @@ install(FILES ${installed} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stilb)
 file(GLOB shaders CONFIGURE_DEPENDS engine/render/shaders/*.glsl engine/render/shaders/*.inc)
 file(GLOB formulas CONFIGURE_DEPENDS engine/shading/*.h)
 install(FILES engine/render/shaders/maps.frag ${shaders} DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/render/shaders)
+install(FILES engine/render/shaders/deferred/lists.glsl DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/render/shaders/deferred)
+install(FILES engine/render/shaders/shadow/shadow.glsl DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/render/shaders/shadow)
 install(FILES ${formulas} DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/shading)
 install(FILES cmake/StilbSurface.cmake DESTINATION ${package_dir})
 
@@ -112,7 +115,7 @@ stilb_component(geometry "Coarser levels and impostors of meshes"
 	MODULES geometry
 	REQUIRES stilb-scene stilb-jobs stilb-profiler)
 stilb_component(engine "${PROJECT_DESCRIPTION}"
-	MODULES engine debug ui render light gpu culling input window
+	MODULES engine debug post ui render shadow light gpu culling input window
 	REQUIRES stilb-scene stilb-jobs stilb-profiler glfw3 vulkan hidapi-hidraw)
 stilb_component(gi "Pictures of scenes by ray tracing"
 	MODULES gi farm
@@ -135,7 +138,7 @@ set(shared_definitions STILB_PROF_SHARED)
 if(NOT STILB_PROFILE)
 	list(APPEND shared_definitions STILB_PROFILE_OFF)
 endif()
-set(modules engine debug ui render light gpu culling input window gi farm numeric geometry scene image base jobs profiler-shared)
+set(modules engine debug post ui render shadow light gpu culling input window gi farm numeric geometry scene image base jobs profiler-shared)
 list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:stilb-\\1>" OUTPUT_VARIABLE objects)
 add_library(stilb-shared SHARED ${objects})
 target_link_libraries(stilb-shared PRIVATE stilb-engine stilb-gi stilb-geometry stilb-flags # for the libraries of others that these need

@@ -47,6 +47,11 @@ function(stilb_surface target name file)
 			list(APPEND codes "MAPS_DEPTH MESH_VELOCITY ${layers} ${extras}")
 		endforeach()
 	endforeach()
+	foreach(layers "" "MAPS_LAYERS")
+		foreach(extras "" "MESH_EXTRAS")
+			list(APPEND codes "MAPS_DEPTH MESH_VELOCITY MESH_SEEN ${layers} ${extras}")
+		endforeach()
+	endforeach()
 	# The shaders include surface_function.glsl, which includes the program's file, so that errors name its lines. glslc opens no
 	# absolute path.
 	file(CONFIGURE OUTPUT ${folder}/${name}/surface_function.glsl CONTENT "#include \"${file_name}\"\n" @ONLY)

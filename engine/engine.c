@@ -84,6 +84,12 @@ void stilb_engine_set_faults(const stilb_render_faults *faults)
 	engine_faults = faults ? *faults : (stilb_render_faults){0};
 }
 
+/* True if frames with several samples a pixel would lack something that is asked for. */
+static bool engine_is_of_one_sample(const stilb_engine_desc *desc)
+{
+	return stilb_render_lighting_is_of_one_sample(desc->lighting) || desc->ambient_apart || desc->post.occlusion > 0.0f;
+}
+
 static stilb_result engine_create_render(stilb_engine *engine)
 {
 	const stilb_engine_desc *desc = &engine->desc;
@@ -98,7 +104,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 		.presentation = desc->presentation,
 		.width = desc->width,
 		.height = desc->height,
-		.samples = desc->samples == 0 && desc->lighting == STILB_RENDER_LIGHTING_DEFERRED ? 1 : desc->samples,
+		.samples = desc->samples == 0 && engine_is_of_one_sample(desc) ? 1 : desc->samples,
 		.max_anisotropy = desc->max_anisotropy,
 		.specular_aa = desc->specular_aa,
 		.context_count = desc->workers + 1,
@@ -130,6 +136,10 @@ static stilb_result engine_start(stilb_engine *engine)
 	if (result == STILB_OK)
 		result = stilb_debug_create(engine->render, &engine->debug);
 	if (result == STILB_OK)
+		result = stilb_post_create(engine->render, &engine->post);
+	if (result == STILB_OK)
+		stilb_post_set(engine->post, &desc->post);
+	if (result == STILB_OK)
 		result = engine_start_workers(engine, desc->workers);
 	engine_fill_passes(engine);
 	if (result == STILB_OK)
@@ -141,6 +151,16 @@ static stilb_result engine_start(stilb_engine *engine)
 	return result;
 }
 
+static void shadows_assert(const stilb_engine_shadows *shadows)
+{
+	uint32_t size = shadows->size, samples = shadows->samples;
+	STILB_ASSERT((unsigned)shadows->kind < STILB_ENGINE_SHADOWS_COUNT);
+	STILB_ASSERT(shadows->cascades <= STILB_SHADOW_MAX_CASCADES);
+	STILB_ASSERT(size == 0 || (size >= STILB_SHADOW_MIN_SIZE && size <= 8192 && (size & (size - 1)) == 0));
+	STILB_ASSERT(shadows->distance >= 0.0f && isfinite(shadows->distance));
+	STILB_ASSERT(samples == 0 || samples == 1 || samples == 4 || samples == 16 || samples == 36);
+}
+
 stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **out)
 {
 	STILB_ASSERT(desc && out);
@@ -149,12 +169,23 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	STILB_ASSERT((unsigned)desc->gamepad <= STILB_ENGINE_GAMEPAD_REPLAY);
 	STILB_ASSERT((unsigned)desc->lighting < STILB_RENDER_LIGHTING_WAYS &&
 	             (unsigned)desc->deferred.coverage < STILB_RENDER_COVERAGE_WAYS &&
-	             (unsigned)desc->deferred.gbuffer < STILB_RENDER_GBUFFER_KINDS);
+	             (unsigned)desc->deferred.gbuffer < STILB_RENDER_GBUFFER_KINDS &&
+	             (unsigned)desc->light_lists < STILB_RENDER_LIGHT_LISTS_WAYS);
+	STILB_ASSERT(desc->light_tolerance >= 0.0f && desc->light_tolerance <= 1.0f);
+	STILB_ASSERT(desc->light_fade >= 0.0f && isfinite(desc->light_fade));
+	STILB_ASSERT((unsigned)desc->ambient < STILB_RENDER_AMBIENT_KINDS);
+	STILB_ASSERT(stilb_post_settings_are_valid(&desc->post));
+	shadows_assert(&desc->shadows);
 	STILB_ASSERT(desc->gamepad != STILB_ENGINE_GAMEPAD_REPLAY || desc->gamepad_recording);
 	STILB_ASSERT(!(desc->window && desc->surface) && "one window");
 	STILB_ASSERT((unsigned)desc->presentation <= STILB_GPU_PRESENT_IMMEDIATE);
 	STILB_ASSERT((unsigned)desc->watch_shaders <= STILB_ENGINE_WATCH_AUTO);
 	*out = NULL;
+	if ((desc->ambient_apart || desc->post.occlusion > 0.0f) && desc->samples > 1)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "%s has one sample a pixel, and %u are asked for",
+		                  desc->ambient_apart ? "light of the surroundings apart (ambient_apart)"
+		                                      : "ambient occlusion (post.occlusion)",
+		                  desc->samples);
 	stilb_engine *engine = calloc(1, sizeof *engine);
 	if (!engine)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the engine");
@@ -195,9 +226,13 @@ void stilb_engine_destroy(stilb_engine *engine)
 	stilb_cull_destroy(engine->cull);
 	stilb_scene_pick_index_destroy(engine->pick_index);
 	engine_picture_finish(engine);
+	engine_shadows_finish(&engine->shadows);
 	if (engine->render)
 		engine_value_forget(engine);
+	if (engine->render)
+		engine_counts_forget(engine);
 	engine_overlay_finish(&engine->overlay);
+	stilb_post_destroy(engine->post);
 	stilb_debug_destroy(engine->debug);
 	stilb_render_destroy(engine->render);
 	stilb_window_destroy(engine->window);
@@ -243,6 +278,7 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	stilb_cull_destroy(engine->cull);
 	engine->cull = cull;
 	engine->scene = scene;
+	engine->peak.known = false;
 	engine->playing.seconds = engine->seconds;
 	engine->playing.step = 0.0;
 	stilb_scene_pick_index_clear(engine->pick_index);
@@ -256,6 +292,9 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 		engine->lasts[v].known = false;
 	engine->panorama = scene ? scene->surroundings.panorama.pixels : NULL;
 	engine->dumpable = false; /* the views have the lights of the scene before */
+	engine_shadows_forget(&engine->shadows);
+	engine->overlay.lights.picked = engine->overlay.lights.list.selected = STILB_UI_NO_ROW;
+	engine->overlay.lights.solo = false;
 	return STILB_OK;
 }
 
@@ -271,6 +310,12 @@ uint64_t stilb_engine_stream_hash(const stilb_engine *engine)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	return stilb_render_stream_hash(engine->render);
+}
+
+uint64_t stilb_engine_triangles(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return stilb_render_triangles(engine->render);
 }
 
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path)
@@ -299,8 +344,8 @@ stilb_result stilb_engine_dump(stilb_engine *engine, const char *path)
 	STILB_ASSERT(path);
 	if (!engine->dumpable)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: none has been drawn of this scene");
-	return stilb_render_dump_save(engine->render, engine->passes, engine->pass_count, engine->views, engine->view_count,
-	                              path);
+	uint32_t count = engine->camera_count + 1; /* without shadow maps */
+	return stilb_render_dump_save(engine->render, engine->passes, count, engine->views, count, path);
 }
 
 const char *stilb_engine_device_name(const stilb_engine *engine)
@@ -381,10 +426,27 @@ void stilb_engine_remove_feature(stilb_engine *engine, const void *user)
 	stilb_render_remove_feature(engine->render, user);
 }
 
+/* True if the image is the main view's of that name, or another target's. */
+static bool engine_image_is(const char *name, const char *image)
+{
+	size_t all = strlen(name), length = strlen(image);
+	return all >= length && strcmp(name + all - length, image) == 0 && (all == length || name[all - length - 1] == ' ');
+}
+
+bool stilb_engine_image_is_of_one_sample(const char *name)
+{
+	return engine_image_is(name, STILB_RENDER_IMAGE_AMBIENT) || engine_image_is(name, STILB_RENDER_IMAGE_REFLECTION);
+}
+
 void stilb_engine_show_image(stilb_engine *engine, const stilb_render_shown *shown)
 {
 	STILB_ASSERT_OWNER(engine->owner);
-	engine->shows_velocity = shown && shown->name && strstr(shown->name, STILB_RENDER_IMAGE_VELOCITY);
+	const char *name = shown && shown->name ? shown->name : "";
+	engine->shows_surfaces =
+		engine_image_is(name, STILB_RENDER_IMAGE_SURFACE_NORMAL) || engine_image_is(name, STILB_RENDER_IMAGE_ID);
+	engine->shows_velocity = engine->shows_surfaces || engine_image_is(name, STILB_RENDER_IMAGE_VELOCITY) ||
+	                         engine_image_is(name, STILB_RENDER_IMAGE_VELOCITY_DEPTH);
+	engine->shows_ambient = stilb_engine_image_is_of_one_sample(name);
 	stilb_render_show_image(engine->render, shown);
 }
 
@@ -456,6 +518,48 @@ void stilb_engine_set_lighting(stilb_engine *engine, stilb_render_lighting light
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(lighting < STILB_RENDER_LIGHTING_WAYS);
 	engine->desc.lighting = lighting;
+}
+
+float stilb_engine_light_tolerance(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->desc.light_tolerance;
+}
+
+void stilb_engine_set_light_tolerance(stilb_engine *engine, float tolerance)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(tolerance >= 0.0f && tolerance <= 1.0f);
+	engine->desc.light_tolerance = tolerance;
+}
+
+stilb_render_ambient stilb_engine_ambient(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->desc.ambient;
+}
+
+void stilb_engine_set_ambient(stilb_engine *engine, stilb_render_ambient ambient)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT((unsigned)ambient < STILB_RENDER_AMBIENT_KINDS);
+	engine->desc.ambient = ambient;
+}
+
+stilb_post_settings stilb_engine_post(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->desc.post;
+}
+
+void stilb_engine_set_post(stilb_engine *engine, const stilb_post_settings *settings)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	if (settings->occlusion > 0.0f && engine->desc.post.occlusion == 0.0f && stilb_render_samples(engine->render) > 1)
+		stilb_log("ambient occlusion has one sample a pixel, and frames have %u: they are without it",
+		          stilb_render_samples(engine->render));
+	stilb_post_set(engine->post, settings);
+	engine->desc.post = *settings;
 }
 
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])

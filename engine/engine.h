@@ -48,9 +48,11 @@
 #include "input/input.h"
 #include "input/input_control.h"
 #include "jobs/job.h"
+#include "post/post.h"
 #include "profiler/prof_capture.h"
 #include "render/render.h"
 #include "scene/edit/scene_variant.h"
+#include "scene/open/scene_lights.h"
 #include "scene/play/scene_play.h"
 #include "scene/scene.h"
 #include "scene/scene_animation.h"
@@ -101,6 +103,7 @@ enum {
 	STILB_ENGINE_LIGHTING_BACK,              /* the one before */
 	STILB_ENGINE_VALUE,     /* show the linear light under the pointer, or hide it; channels always show it */
 	STILB_ENGINE_CLIPS,     /* open or close the animation's window */
+	STILB_ENGINE_LIGHTS,    /* open or close the lights' window, in which they are listed and changed */
 	STILB_ENGINE_STEP,      /* move what plays on by 1/60 s */
 	STILB_ENGINE_STEP_BACK, /* and back */
 	STILB_ENGINE_ACTIONS
@@ -164,6 +167,46 @@ typedef enum stilb_engine_textures {
 	STILB_ENGINE_TEXTURES_LATER,
 } stilb_engine_textures;
 
+/* How lights are kept from surfaces by others in front of them. */
+#define STILB_ENGINE_SHADOW_KINDS(X)                                                                                   \
+	X(OFF, "off", "every light shines through everything")                                                             \
+	X(MAP, "map", "what a light sees is drawn into maps, by which surfaces are lit")
+
+#define STILB_ENGINE_SHADOW_ENUM(id, ...) STILB_ENGINE_SHADOWS_##id,
+typedef enum stilb_engine_shadow_kind {
+	STILB_ENGINE_SHADOW_KINDS(STILB_ENGINE_SHADOW_ENUM) STILB_ENGINE_SHADOWS_COUNT
+} stilb_engine_shadow_kind;
+#undef STILB_ENGINE_SHADOW_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_engine_shadow_kind. */
+extern const char *const stilb_engine_shadow_names[];
+
+/* Which sides of triangles are drawn into shadow maps: X(identifier, name, what it does). Rays are stopped by both. */
+#define STILB_ENGINE_SHADOW_FACES(X)                                                                                   \
+	X(BOTH, "both", "all, as rays are stopped by either")                                                              \
+	X(FRONT, "front", "those that the light sees: less to draw, and sheets cast from one side alone")                  \
+	X(BACK, "back", "those that the light does not see: closed things cast from behind, and cannot shade their fronts")
+
+#define STILB_ENGINE_SHADOW_FACES_ENUM(id, ...) STILB_ENGINE_SHADOW_FACES_##id,
+typedef enum stilb_engine_shadow_faces {
+	STILB_ENGINE_SHADOW_FACES(STILB_ENGINE_SHADOW_FACES_ENUM) STILB_ENGINE_SHADOW_FACES_COUNT
+} stilb_engine_shadow_faces;
+#undef STILB_ENGINE_SHADOW_FACES_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_engine_shadow_faces. */
+extern const char *const stilb_engine_shadow_faces_names[];
+
+/* Shadows of frames. Not of rays: those have their own. */
+typedef struct stilb_engine_shadows {
+	stilb_engine_shadow_kind kind;
+	uint32_t cascades; /* maps of each directional light, 1..8; 0: 4, on a software device 2 */
+	uint32_t size;     /* texels of such a map's side, and the most of a lamp's: a power of two, 64..8192; 0: 2048, on a
+	                      software device 1024 */
+	float distance; /* of directional lights: metres from the camera where shadows have faded out, >= 0; 0: nowhere */
+	stilb_engine_shadow_faces faces;
+	uint32_t samples; /* texels of a map that a pixel asks: 1, 4, 16, 36; 0: 16 */
+} stilb_engine_shadows;
+
 typedef struct stilb_engine_desc {
 	uint32_t workers;       /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
 	stilb_cull_method cull; /* how visible models are found */
@@ -180,12 +223,23 @@ typedef struct stilb_engine_desc {
 	stilb_render_output output;
 	stilb_render_shading shading;
 	stilb_render_detail detail; /* which levels of meshes are drawn; {0}: every mesh in full */
-	/* How pixels find their lights, at first. DEFERRED: samples 0 is 1; with 4 frames are lit as AUTO lights them. */
+	/* How pixels find their lights, at first. Of ways of one sample a pixel samples 0 is 1; with 4 frames are lit as
+	 * AUTO lights them. */
 	stilb_render_lighting lighting;
-	stilb_render_deferred deferred; /* see stilb_render_view */
-	stilb_render_show show;         /* what pictures show at first */
+	stilb_render_deferred deferred;       /* see stilb_render_view */
+	stilb_render_light_lists light_lists; /* see stilb_render_view */
+	float light_tolerance;                /* see stilb_render_view, at first; 0..1 */
+	float light_fade;                     /* likewise, for all frames; pixels, >= 0 */
+	stilb_render_ambient ambient;         /* what lights in place of the surroundings, at first */
+	stilb_engine_shadows shadows;         /* {0}: none, as by default; `stilb demo` and `stilb view` ask for MAP */
+	stilb_post_settings post;             /* effects on the light of frames, at first; {0}: none */
+	stilb_render_show show;               /* what pictures show at first */
 	bool velocity; /* frames have the image "velocity" (gpu_plan.h finds it): where each pixel was in the frame before.
 	                  They also have it while they show it (stilb_engine_show_image) */
+	bool surfaces; /* likewise besides it "surface normal" and "id": the normal and the model that each pixel shows */
+	/* Likewise "ambient" and "reflection": the surroundings' light apart from all other (stilb_render_view). With
+	 * samples 0 there is one; more are refused. */
+	bool ambient_apart;
 
 	/* All strings are the caller's and live until the engine is destroyed. */
 	const char *gpu;         /* a number or a part of a name as `stilb info` prints them; NULL: the best */
@@ -209,6 +263,7 @@ typedef struct stilb_engine_desc {
 	bool overlay;       /* the profiler's window is open from the start */
 	bool inspector;     /* the materials' window is open from the start */
 	bool clips;         /* the animation's window is open from the start */
+	bool lights;        /* the lights' window is open from the start */
 	bool keys;          /* the key card is open from the start */
 	bool times;         /* frame rate and time are shown from the start */
 	bool hint;          /* a line names the main keys for the first seconds; only in a window */
@@ -333,7 +388,14 @@ typedef struct stilb_engine_report {
 	uint32_t visible;       /* number of models that the scene's own camera sees; render.draws are of all cameras */
 	stilb_cull_method cull; /* the method by which they were found; never AUTO */
 	stilb_render_stats render;
-	stilb_input_state input; /* {0} without a window and gamepads */
+	uint32_t shadow_maps, shadow_maps_drawn; /* of the frame; those of them that nothing had drawn before as they are */
+	uint32_t shadow_lights_left;  /* lights that are seen and cast no shadow: there is no room for their maps */
+	uint32_t shadow_lights_faded; /* likewise, for their reach has 16 pixels or fewer; up to 32 their shadows fade */
+	uint32_t shadow_lights_drawn; /* the lights of these: a lamp's six maps count as one */
+	/* With STILB_RENDER_SHOW_LIGHTS: of this frame, in a window of one or two before; {0}: not known */
+	stilb_render_light_counts light_counts;
+	stilb_render_error light_error; /* likewise with STILB_RENDER_SHOW_ERROR */
+	stilb_input_state input;        /* {0} without a window and gamepads */
 	int64_t time_us; /* the camera's time, microseconds: since the start if headless, since a recording's begin in its
 	                    replay, else CLOCK_MONOTONIC */
 	bool replayed;   /* the gamepads' recording has ended */
@@ -390,6 +452,9 @@ stilb_job_pool_stats stilb_engine_job_stats(const stilb_engine *engine);
 /* The hash of the last frame's command stream (render.h): equal for every number of workers. */
 uint64_t stilb_engine_stream_hash(const stilb_engine *engine);
 
+/* Triangles of the last frame, those of shadow maps included; reads all of its commands. */
+uint64_t stilb_engine_triangles(const stilb_engine *engine);
+
 /* Writes the last frame's picture as .png, or the radiance of the scene's own camera, in the size that it was drawn in,
  * without windows and other cameras over it, as .exr or .hdr. Fails as
  * stilb_render_read_image and stilb_image_save do. */
@@ -415,13 +480,18 @@ stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 stilb_result stilb_engine_save_plan(stilb_engine *engine, const char *path);
 
 /* Adds rows of the program's own to each frame's plan, and removes those with this user; what stilb_render_add_feature
- * says. The device for programs, buffers and images of its own, which are destroyed before the engine; and the plan
- * of the last frame, for stilb_gpu_read_begin. */
+ * says, but with STILB_ENGINE_MAX_FEATURES as the limit: the engine's own effects take the rest. The device for
+ * programs, buffers and images of its own, which are destroyed before the engine; and the plan of the last frame, for
+ * stilb_gpu_read_begin. */
+#define STILB_ENGINE_MAX_FEATURES (STILB_RENDER_MAX_FEATURES - 3u)
 stilb_result stilb_engine_add_feature(stilb_engine *engine, const stilb_render_feature *feature);
 void stilb_engine_remove_feature(stilb_engine *engine, const void *user);
 stilb_gpu *stilb_engine_gpu(stilb_engine *engine);
 /* Frames show an image of the plan in the place of the picture; what stilb_render_show_image says. */
 void stilb_engine_show_image(stilb_engine *engine, const stilb_render_shown *shown);
+/* True of images that only frames with one sample a pixel have, while they show them: of stilb_engine_desc.
+ * ambient_apart. [any-thread] */
+bool stilb_engine_image_is_of_one_sample(const char *name);
 const stilb_gpu_plan *stilb_engine_plan(const stilb_engine *engine);
 
 /* Draws lines, shapes and text in the scene's world, from any thread; see debug_draw.h. What desc.update and its jobs
@@ -463,6 +533,9 @@ const char *stilb_engine_device_name(const stilb_engine *engine);
 bool stilb_engine_device_is_software(const stilb_engine *engine);
 uint32_t stilb_engine_samples(const stilb_engine *engine);
 uint32_t stilb_engine_validation_messages(const stilb_engine *engine);
+
+/* desc.shadows, with what this kind of device has in place of zeros. */
+stilb_engine_shadows stilb_engine_shadows_used(const stilb_engine *engine);
 
 /* Finds what the scene's camera sees at a point of the picture, pixels from its top left corner; the first pixel's
  * centre is (0.5, 0.5). On the CPU, in the scene as it is now, with an index of large meshes; scene_pick.h says what
@@ -513,9 +586,30 @@ void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *
 stilb_render_show stilb_engine_shows(const stilb_engine *engine);
 void stilb_engine_set_shows(stilb_engine *engine, stilb_render_show show);
 
-/* Likewise how pixels find their lights. */
+/* How pixels find their lights from the next frame on; likewise, but in a window new ways are compiled beside the
+ * frames, as new formulas of shading are. */
 stilb_render_lighting stilb_engine_lighting(const stilb_engine *engine);
 void stilb_engine_set_lighting(stilb_engine *engine, stilb_render_lighting lighting);
+
+/* What lights that are left out of a pixel may send, a share of display white, 0..1: see
+ * stilb_render_view.light_tolerance. */
+float stilb_engine_light_tolerance(const stilb_engine *engine);
+void stilb_engine_set_light_tolerance(stilb_engine *engine, float tolerance);
+
+/* Likewise what lights surfaces in place of the surroundings. [main-thread] */
+stilb_render_ambient stilb_engine_ambient(const stilb_engine *engine);
+void stilb_engine_set_ambient(stilb_engine *engine, stilb_render_ambient ambient);
+
+/* The effects on the light of frames from the next one on. Settings are valid (post.h). Occlusion has one sample a
+ * pixel, which desc.samples 0 gives if desc.post has it; an engine with several draws none, and a line says so.
+ * Pictures that files keep as radiance, dumps, and the program's picture (stilb_engine_picture) are without effects.
+ * [main-thread] */
+stilb_post_settings stilb_engine_post(const stilb_engine *engine);
+void stilb_engine_set_post(stilb_engine *engine, const stilb_post_settings *settings);
+
+/* True while the window of lights is open, by which the user changes lights of the scene: who reads the scene on other
+ * threads waits until it is closed. [main-thread] */
+bool stilb_engine_lights_shown(const stilb_engine *engine);
 
 /* To be called after another BRDF or normal distribution was chosen; *before is the shading before the choice. Wrapped
  * light and anisotropic GGX look different from the others only if materials have wrap or anisotropy: choosing one of

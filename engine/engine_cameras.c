@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-static_assert(STILB_ENGINE_MAX_CAMERAS + 1 <= ENGINE_MAX_VIEWS && ENGINE_MAX_VIEWS + 2 <= STILB_RENDER_MAX_PASSES,
-              "a view and a pass for each, and passes for picture and overlay");
+static_assert(STILB_ENGINE_MAX_CAMERAS + 2 <= ENGINE_MAX_VIEWS && ENGINE_MAX_VIEWS + 2 <= STILB_RENDER_MAX_PASSES,
+              "a view and a pass for each and for the reference, and passes for picture and overlay");
 
 /* ---- what the program asks for ----------------------------------------------------------------------------------- */
 
@@ -106,13 +106,25 @@ static stilb_render_target camera_target(const stilb_engine *engine, const char 
 	return target;
 }
 
+/* stilb_render_light_peak of the scene, which is read again only if a material or the shading has changed. */
+static float camera_peak(stilb_engine *engine, const stilb_render_shading *shading)
+{
+	engine_peak *peak = &engine->peak;
+	if (!peak->known || memcmp(&peak->shading, shading, sizeof *shading) != 0)
+		*peak = (engine_peak){true, *shading, stilb_render_light_peak(engine->scene, shading)};
+	return peak->value;
+}
+
 /* The view of a camera; its target is that of the view's number. */
 static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene_camera *camera)
 {
 	stilb_render_view *view = &engine->views[number];
 	const stilb_render_target *target = &engine->targets[number];
 	*view = engine_view_of(engine, engine->scene);
-	view->shading = engine->frame_shading;
+	view->shading = engine->frame_formulas.shading;
+	view->lighting = engine->frame_formulas.lighting;
+	if (view->light_tolerance > 0.0f)
+		view->light_peak = camera_peak(engine, &view->shading);
 	const uint16_t *place = target->place; /* it is seen in these proportions, whatever the image's are */
 	float aspect = place[3] > 0 ? (float)place[2] / (float)place[3] : (float)target->width / (float)target->height;
 	view->view_projection = stilb_scene_camera_matrix(camera, aspect);
@@ -122,17 +134,37 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 		view->exposure = camera->exposure;
 		view->tone = camera->tone;
 	}
+	bool error = number == 0 && engine->frame_formulas.error;
+	if (view->show == STILB_RENDER_SHOW_ERROR && !error) /* of other cameras, and until its programs are there */
+		view->show = STILB_RENDER_SHOW_SHADED;
 	view->target = target;
 	engine_last *last = &engine->lasts[number];
 	if (!last->known || strcmp(last->name, engine->target_names[number]) != 0)
 		last->view_projection = view->view_projection; /* it has not moved so far */
-	view->last = engine->desc.velocity || engine->shows_velocity ? &last->view_projection : NULL;
+	view->surfaces = engine_draws_surfaces(engine);
+	view->last = engine_draws_velocity(engine) ? &last->view_projection : NULL;
+}
+
+/* The scene's own camera once more, by the reference's way of lighting, into an image of its own. */
+static void cameras_reference(stilb_engine *engine)
+{
+	uint32_t number = engine->view_count++;
+	stilb_render_target *target = &engine->targets[number];
+	*target = (stilb_render_target){.name = STILB_RENDER_IMAGE_REFERENCE,
+	                                .width = engine->targets[0].width,
+	                                .height = engine->targets[0].height,
+	                                .output = true};
+	engine->views[number] = engine->views[0];
+	engine->views[number].target = target;
+	engine_reference_view(&engine->views[number]);
+	engine->passes[number] = (stilb_render_pass){.name = target->name, .view = number, .order = number};
 }
 
 void engine_cameras_frame(stilb_engine *engine)
 {
 	uint32_t width, height;
 	stilb_render_size(engine->render, &width, &height);
+	engine->peak.known &= stilb_scene_changes_read(engine->scene).material_count == 0;
 	engine->targets[0] = camera_target(engine, "color", engine->place, 0, 0);
 	camera_view(engine, 0, &engine->scene->camera);
 	const stilb_render_target *main = &engine->targets[0];
@@ -149,12 +181,15 @@ void engine_cameras_frame(stilb_engine *engine)
 		camera_view(engine, c + 1, &camera->asked.camera);
 		engine->passes[c + 1] = (stilb_render_pass){.name = name, .view = c + 1, .order = c + 1};
 	}
-	engine->view_count = engine->pass_count = engine->camera_count + 1;
+	engine->view_count = engine->camera_count + 1;
+	if (engine->views[0].show == STILB_RENDER_SHOW_ERROR)
+		cameras_reference(engine);
+	engine->pass_count = engine->view_count;
 }
 
 void engine_cameras_drawn(stilb_engine *engine)
 {
-	for (uint32_t v = 0; v < engine->view_count; v++) {
+	for (uint32_t v = 0; v <= engine->camera_count; v++) {
 		engine_last *last = &engine->lasts[v];
 		last->known = true;
 		memcpy(last->name, engine->target_names[v], sizeof last->name);

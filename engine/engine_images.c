@@ -10,7 +10,8 @@
 static bool images_can_show(const stilb_gpu_plan *plan, uint16_t resource)
 {
 	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, resource);
-	return extent->format != STILB_GPU_NONE &&
+	bool none = strcmp(stilb_gpu_plan_name(plan, resource), STILB_RENDER_IMAGE_NO_SHADOWS) == 0;
+	return !none && extent->format != STILB_GPU_NONE && !stilb_gpu_format_has_stencil(extent->format) &&
 	       (extent->shape == STILB_GPU_SHAPE_2D || extent->shape == STILB_GPU_SHAPE_CUBE);
 }
 
@@ -96,7 +97,8 @@ static void images_step_lighting(stilb_engine *engine, int step)
 	char text[128];
 	int next = ((int)engine->desc.lighting + step + STILB_RENDER_LIGHTING_WAYS) % STILB_RENDER_LIGHTING_WAYS;
 	engine->desc.lighting = (stilb_render_lighting)next;
-	bool several = next == STILB_RENDER_LIGHTING_DEFERRED && stilb_render_samples(engine->render) > 1;
+	bool several =
+		stilb_render_lighting_is_of_one_sample(engine->desc.lighting) && stilb_render_samples(engine->render) > 1;
 	snprintf(text, sizeof text, "lights %s: %s", stilb_render_lighting_names[next],
 	         several ? "with several samples a pixel as auto (--msaa 1)" : stilb_render_lighting_words[next]);
 	engine_overlay_tell(engine, text);

@@ -81,6 +81,10 @@ static const stilb_input_action engine_actions[] = {
                                                   .kind = STILB_INPUT_SWITCH,
                                                   .keys = {STILB_WINDOW_KEY_F4},
                                                   .help = "open or close the animation's clips"},
+	[STILB_ENGINE_LIGHTS - STILB_INPUT_ACTIONS] = {.name = "lights",
+                                                   .kind = STILB_INPUT_SWITCH,
+                                                   .keys = {STILB_WINDOW_KEY_F5},
+                                                   .help = "open or close the list of lights"},
 	[STILB_ENGINE_STEP -
 		STILB_INPUT_ACTIONS] = {.name = "step", .typed = ".", .help = "a sixtieth of a second on, back"},
 	[STILB_ENGINE_STEP_BACK -

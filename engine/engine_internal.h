@@ -8,14 +8,17 @@
 #include "input/input_recording.h"
 #include "input/input_window.h"
 #include "jobs/job.h"
+#include "render/device/render_images.h"
 #include "scene/scene_look.h"
+#include "shadow/shadow.h"
 #include "ui/ui.h"
 #include "ui/ui_profiler.h"
 #include "window/window.h"
 
 #include <pthread.h>
 
-#define ENGINE_MAX_VIEWS 16u
+#define ENGINE_MAX_SHADOWS 224u
+#define ENGINE_MAX_VIEWS (17u + ENGINE_MAX_SHADOWS)
 
 /* The materials' window, in which shading models are chosen; {0} at first. */
 typedef struct engine_inspector {
@@ -31,6 +34,17 @@ typedef struct engine_clips {
 	stilb_ui_rect place;
 	stilb_ui_list_state list;
 } engine_clips;
+
+/* The lights' window. */
+typedef struct engine_lights {
+	bool open, solo; /* solo: frames show the picked light alone while the window is open */
+	stilb_ui_rect place;
+	stilb_ui_list_state list;
+	uint32_t picked;           /* index of a light, or STILB_UI_NO_ROW */
+	float seen[3];             /* its intensity as the window left it */
+	float intensity, color[3]; /* of its brightest channel when it was picked; of that as 1 */
+	float kelvin, reach;       /* of the sliders of temperature and place */
+} engine_lights;
 
 /* A panel, shown for a while, that names the gamepads that may not be opened and the udev rule that would permit it.
  * {0}: it is not shown. */
@@ -80,6 +94,7 @@ typedef struct engine_overlay {
 	stilb_ui_profiler *profiler;
 	engine_inspector inspector;
 	engine_clips clips;
+	engine_lights lights;
 	engine_notice notice;
 	engine_toasts toasts;
 	engine_keys keys;
@@ -89,6 +104,7 @@ typedef struct engine_overlay {
 	bool profiler_open, inspector_open;
 	bool divider_open, caption_open; /* of the program's picture; hidden with the toasts */
 	bool value_open;                 /* the pixel's value beside the pointer; hidden with the toasts */
+	bool counts_open;                /* what colours of counted lights mean; likewise */
 } engine_overlay;
 
 /* The value of the pixel under the pointer. {0}: it is not shown. */
@@ -99,6 +115,22 @@ typedef struct engine_value {
 	uint64_t ticket;  /* of the image that is being read; 0: none is */
 	uint32_t size[2]; /* of that image */
 } engine_value;
+
+/* What stilb_render_light_peak has said of the scene, shaded like that. {0}: nothing is known. */
+typedef struct engine_peak {
+	bool known;
+	stilb_render_shading shading;
+	float value;
+} engine_peak;
+
+/* What frames have counted, or measured of their error. */
+typedef struct engine_counts {
+	stilb_render_light_counts last;
+	stilb_render_error error;
+	stilb_render_show show;  /* what the image that is being read holds */
+	float exposure;          /* likewise */
+	uint64_t ticket, pixels; /* of the image that is being read; ticket 0: none is */
+} engine_counts;
 
 /* The program's picture in place of the scene. {0}: there is none. */
 typedef struct engine_shown {
@@ -137,6 +169,13 @@ typedef struct engine_pictures engine_pictures;
 /* What a thread makes ready beside the frames. */
 typedef struct engine_prepare engine_prepare;
 
+/* What frames are compiled for, and the user changes while they go on. */
+typedef struct engine_formulas {
+	stilb_render_shading shading;
+	stilb_render_lighting lighting;
+	bool error; /* STILB_RENDER_SHOW_ERROR is shown: programs of the reference are needed, too */
+} engine_formulas;
+
 /* A press of the left button that may become a click; {0}: there is none. */
 typedef struct engine_press {
 	bool still; /* the pointer is where it was pressed */
@@ -163,6 +202,32 @@ typedef struct engine_last {
 	stilb_mat4 view_projection;
 } engine_last;
 
+/* The shadow maps of a frame; {0} at first. */
+typedef struct engine_shadows {
+	stilb_sphere bounds; /* of what is drawn, and some room */
+	stilb_shadow_plan plan;
+	stilb_render_target target;
+	stilb_render_shadows shadows;
+	stilb_render_shadow_map *maps;
+	stilb_render_shadow *lights;
+	bool told, told_cameras; /* that lights have none; what cameras beside see */
+	/* What the maps of the frame before show: of the scene as it was then. */
+	bool valid, loading;
+	uint64_t impostors_removed;
+	uint32_t impostor_count;
+	const stilb_scene *scene;
+	stilb_scene_revisions revisions;
+	stilb_render_detail detail;
+	stilb_shadow_map *kept; /* [kept_count] what is in the image */
+	uint32_t kept_count;
+	bool *stays;                            /* by map of the plan: it need not be drawn */
+	stilb_sphere *models;                   /* by model: its bounds in the frame before */
+	uint32_t drawn;                         /* maps, in this frame */
+	uint32_t lights_drawn;                  /* lights of these */
+	uint32_t first_view;                    /* of those of the maps that are drawn */
+	uint32_t view_maps[ENGINE_MAX_SHADOWS]; /* [drawn] which map of the plan each of their views draws */
+} engine_shadows;
+
 /* How the clips of the scene play. */
 typedef struct engine_playing {
 	double seconds;    /* the engine's time up to which they have played */
@@ -184,37 +249,43 @@ struct stilb_engine {
 	stilb_window *window; /* NULL when headless */
 	stilb_render *render;
 	stilb_debug *debug;
+	stilb_post *post;
 	engine_input input;
 
 	/* The frame as data: frame.c culls once for each view, records each pass and replays all of them. */
-	stilb_render_view views[ENGINE_MAX_VIEWS]; /* [view_count] of the scene's own camera, then of the others */
+	/* [view_count] of the scene's own camera, then of the others, then the reference, then of the shadow maps */
+	stilb_render_view views[ENGINE_MAX_VIEWS];
+	engine_shadows shadows;
 	stilb_render_target targets[ENGINE_MAX_VIEWS];
 	char target_names[ENGINE_MAX_VIEWS][STILB_RENDER_TARGET_NAME + 1];
 	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* the models that each view sees in this frame */
 	engine_last lasts[ENGINE_MAX_VIEWS];          /* by view */
-	bool shows_velocity;                          /* the image that the program shows is of velocities */
+	/* The image that the program shows is of velocities, or in the same passes; of surfaces; of ambient_apart. */
+	bool shows_velocity, shows_surfaces, shows_ambient;
 	uint32_t view_count;
 	stilb_render_pass passes[STILB_RENDER_MAX_PASSES]; /* [pass_count] of the scene, and after them the overlay's */
 	uint32_t pass_count;
 	uint32_t frame_passes;                           /* in this frame: pass_count, or one more for the overlay */
 	engine_camera cameras[STILB_ENGINE_MAX_CAMERAS]; /* [camera_count] */
 	uint32_t camera_count;
-	float place[4];                     /* of the scene's own camera in the picture */
-	stilb_render_shading frame_shading; /* of this frame's views */
+	float place[4];                 /* of the scene's own camera in the picture */
+	engine_formulas frame_formulas; /* of this frame's views */
 	engine_overlay overlay;
 	engine_pictures *pictures;  /* NULL: none has been taken yet */
 	struct engine_watch *watch; /* NULL: shaders are not watched */
 	engine_shown picture;
 	engine_value value;
+	engine_counts counts;
+	engine_peak peak;
 	char caption[128];
 	/* Of the plan, that keys have chosen; "": the picture, or the program's choice. */
 	char image[STILB_GPU_MAX_NAME + 1];
-	uint32_t image_part;           /* of that image: its mip + layer * mips */
-	stilb_render_shading shading;  /* of the next frame */
-	engine_prepare *prepare;       /* the scene that stilb_engine_prepare was given; NULL: none */
-	engine_prepare *compiling;     /* pipelines for other formulas; NULL: none */
-	const void *panorama;          /* the pixels of the last frame's */
-	stilb_render_shading compiled; /* the formulas whose pipelines were made last; {0}: none */
+	uint32_t image_part;          /* of that image: its mip + layer * mips */
+	stilb_render_shading shading; /* of the next frame */
+	engine_prepare *prepare;      /* the scene that stilb_engine_prepare was given; NULL: none */
+	engine_prepare *compiling;    /* pipelines for other formulas; NULL: none */
+	const void *panorama;         /* the pixels of the last frame's */
+	engine_formulas compiled;     /* those whose pipelines were made last; {0}: none */
 
 	bool profiled, captures;            /* it has started the profiler; its captures */
 	stilb_scene_pick_index *pick_index; /* of the scene's meshes; NULL: nothing has been picked */
@@ -234,6 +305,17 @@ struct stilb_engine {
 /* Forgets what the index of stilb_engine_pick knows of meshes that have changed. */
 void engine_pick_forget(const stilb_engine *engine, const stilb_scene_changes *changes);
 
+/* True if frames draw normals and models of surfaces, or velocities. */
+static inline bool engine_draws_surfaces(const stilb_engine *engine)
+{
+	return engine->desc.surfaces || engine->shows_surfaces;
+}
+
+static inline bool engine_draws_velocity(const stilb_engine *engine)
+{
+	return engine->desc.velocity || engine->shows_velocity || engine_draws_surfaces(engine);
+}
+
 /* engine_cameras.c */
 
 /* Fills the tables of views, targets and passes for this frame, which has a scene. */
@@ -248,10 +330,30 @@ bool engine_cameras_ray(const stilb_engine *engine, double x, double y, stilb_sc
  * own, of size[2] pixels. */
 bool engine_cameras_own(const stilb_engine *engine, double *x, double *y, uint32_t size[2]);
 
+/* engine_shadows.c */
+
+/* What views of maps share, for a camera's view. */
+stilb_render_view engine_shadows_view(const stilb_render_view *seen, stilb_engine_shadow_faces faces);
+/* Adds the views and passes of shadow maps to those of this frame's cameras. STILB_ERROR_MEMORY. */
+stilb_result engine_shadows_frame(stilb_engine *engine);
+/* Takes those out of what the view of a map sees that throw no shadow on what the cameras see. */
+void engine_shadows_leave_out(const stilb_engine *engine, uint32_t view, stilb_cull_visible *visible);
+/* The device has got the frame. */
+void engine_shadows_drawn(stilb_engine *engine);
+/* What maps show is not that of the next frame's scene. */
+void engine_shadows_forget(engine_shadows *shadows);
+void engine_shadows_finish(engine_shadows *shadows);
+
 /* engine_prepare.c */
 
-/* The view of a scene, but for what depends on the picture's size. */
+/* The view of a scene, but for what depends on the picture's size, and light_peak. */
 stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *scene);
+/* The most lights for which FORWARD is the reference of STILB_RENDER_SHOW_ERROR; of more CLUSTERED is, which shows the
+ * same bits. */
+#define ENGINE_FORWARD_LIGHTS 1000u
+
+/* Makes of a camera's view that of the reference. */
+void engine_reference_view(stilb_render_view *view);
 
 /* How the textures of a scene come that is set or made ready now. */
 stilb_render_textures engine_textures_now(const stilb_engine *engine);
@@ -264,9 +366,9 @@ bool engine_prepare_is_of(const engine_prepare *prepare, const stilb_scene *scen
 /* Waits for a scene, which then makes haste, and frees it. */
 stilb_result engine_prepare_take(engine_prepare **prepare, stilb_cull **cull, stilb_render_prepared **made);
 
-/* The shading of this frame: that of engine->shading, but in a window with the formulas of the frame before while
- * pipelines for others are being made. */
-stilb_render_shading engine_prepare_shading(stilb_engine *engine);
+/* How this frame is lit and shaded: as engine->shading and desc.lighting say, but in a window with the formulas and the
+ * way of lighting of the frame before while pipelines for others are being made. */
+engine_formulas engine_prepare_formulas(stilb_engine *engine);
 
 /* engine_profile.c */
 
@@ -297,11 +399,12 @@ stilb_result engine_overlay_start(stilb_engine *engine);
 stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspector);
 static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 {
-	return overlay->profiler_open || overlay->inspector_open || overlay->clips.open || overlay->notice.pad_count > 0 ||
-	       overlay->keys.open ||
+	return overlay->profiler_open || overlay->inspector_open || overlay->clips.open || overlay->lights.open ||
+	       overlay->notice.pad_count > 0 || overlay->keys.open ||
 	       (!overlay->toasts.hidden &&
 	        (overlay->toasts.count > 0 || overlay->shader_error || overlay->keys.hint_seconds > 0.0f ||
-	         overlay->rate.open || overlay->divider_open || overlay->caption_open || overlay->value_open));
+	         overlay->rate.open || overlay->divider_open || overlay->caption_open || overlay->value_open ||
+	         overlay->counts_open));
 }
 
 /* Frees the overlay's windows, before the renderer is destroyed. Accepts {0}. */
@@ -460,6 +563,16 @@ void engine_value_forget(stilb_engine *engine);
 /* Draws the value, which is known, beside the pointer, between stilb_ui_begin and stilb_ui_end. */
 void engine_value_draw(const stilb_engine *engine, stilb_ui *ui);
 
+/* After a frame was given to the device: sums what it, or in a window an earlier one, has counted of lights, if it
+ * shows that. */
+void engine_counts_frame(stilb_engine *engine);
+
+/* Gives up what is being read. Before the renderer is destroyed. */
+void engine_counts_forget(stilb_engine *engine);
+
+/* Draws what the colours mean, and the means, between stilb_ui_begin and stilb_ui_end. */
+void engine_counts_draw(const stilb_engine *engine, stilb_ui *ui);
+
 /* engine_pictures.c */
 
 /* Starts a thread of the engine's. Signals are the program's threads' to handle, but for those of the thread's own
@@ -502,6 +615,11 @@ bool engine_watch_draw(const char *text, stilb_ui *ui);
 
 /* engine_clips.c: the animation's window. */
 void engine_clips_draw(stilb_engine *engine, stilb_ui *ui);
+
+/* engine_lights.c: the lights' window. */
+void engine_lights_draw(stilb_engine *engine, stilb_ui *ui);
+/* True if the user wants to see one light alone. */
+bool engine_lights_solo(const stilb_engine *engine, uint32_t *light);
 
 /* engine_playing.c: pauses what plays, or lets it go on. */
 void engine_playing_pause(stilb_engine *engine);

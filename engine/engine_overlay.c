@@ -48,7 +48,7 @@ stilb_result engine_overlay_start(stilb_engine *engine)
 	engine_overlay *overlay = &engine->overlay;
 	bool hint = desc->hint && engine->window;
 	stilb_result result = engine_overlay_open(engine, desc->overlay, desc->inspector);
-	if (result == STILB_OK && (desc->keys || desc->clips || desc->times || hint))
+	if (result == STILB_OK && (desc->keys || desc->clips || desc->lights || desc->times || hint))
 		result = engine_overlay_create(engine);
 	if (result != STILB_OK)
 		return result;
@@ -56,6 +56,8 @@ stilb_result engine_overlay_start(stilb_engine *engine)
 	overlay->keys.list.selected = STILB_UI_NO_ROW;
 	overlay->clips.list.selected = STILB_UI_NO_ROW;
 	overlay->clips.open = desc->clips;
+	overlay->lights.picked = STILB_UI_NO_ROW;
+	overlay->lights.open = desc->lights;
 	overlay->rate.open = desc->times;
 	overlay->keys.hint_seconds = hint ? OVERLAY_HINT_SECONDS : 0.0f;
 	return STILB_OK;
@@ -121,11 +123,13 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 		overlay->keys.open ^= keys;
 		overlay->rate.open ^= times;
 	}
-	bool clips = input->actions[STILB_ENGINE_CLIPS] > 0;
-	if (clips && engine_overlay_create(engine) != STILB_OK)
+	bool clips = input->actions[STILB_ENGINE_CLIPS] > 0, lights = input->actions[STILB_ENGINE_LIGHTS] > 0;
+	if ((clips || lights) && engine_overlay_create(engine) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
-	else
+	} else {
 		overlay->clips.open ^= clips;
+		overlay->lights.open ^= lights;
+	}
 	if (overlay->profiler_open && input->actions[STILB_ENGINE_FREEZE] > 0)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
 	else if (input->actions[STILB_ENGINE_FREEZE] > 0)
@@ -135,6 +139,9 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 	engine->value.open ^= input->actions[STILB_ENGINE_VALUE] > 0;
 	overlay->value_open =
 		engine->value.known && engine_value_wanted(engine) && engine_overlay_create(engine) == STILB_OK;
+	bool counts = engine->desc.show == STILB_RENDER_SHOW_LIGHTS || engine->desc.show == STILB_RENDER_SHOW_ERROR;
+	overlay->counts_open =
+		counts && engine->scene && engine->image[0] == '\0' && engine_overlay_create(engine) == STILB_OK;
 	if (engine->window)
 		stilb_window_set_capturing(engine->window,
 		                           !engine_overlay_is_open(overlay) || !stilb_ui_wants_mouse(overlay->ui));
@@ -174,7 +181,8 @@ static void engine_overlay_build(stilb_engine *engine)
 {
 	PROFILE("ui build");
 	engine_overlay *overlay = &engine->overlay;
-	bool covered = overlay->profiler_open || overlay->inspector_open || overlay->clips.open || overlay->keys.open;
+	bool covered = overlay->profiler_open || overlay->inspector_open || overlay->clips.open || overlay->lights.open ||
+	               overlay->keys.open;
 	float below = OVERLAY_BELOW;
 	stilb_ui_rect caption = {0};
 	stilb_ui_begin(overlay->ui, &overlay->input);
@@ -184,11 +192,14 @@ static void engine_overlay_build(stilb_engine *engine)
 		caption = engine_picture_caption(engine, overlay->ui);
 	stilb_ui_rect places[] = {overlay->inspector_open ? overlay->inspector.place : (stilb_ui_rect){0},
 	                          overlay->keys.open ? overlay->keys.place : (stilb_ui_rect){0},
-	                          overlay->clips.open ? overlay->clips.place : (stilb_ui_rect){0}};
+	                          overlay->clips.open ? overlay->clips.place : (stilb_ui_rect){0},
+	                          overlay->lights.open ? overlay->lights.place : (stilb_ui_rect){0}};
 	if (overlay->rate.open && !overlay->toasts.hidden && !overlay->profiler_open) /* which has them, too */
 		engine_rate_draw(&overlay->rate, overlay->ui, caption, places, sizeof places / sizeof *places);
 	if (overlay->value_open && !overlay->toasts.hidden)
 		engine_value_draw(engine, overlay->ui);
+	if (overlay->counts_open && !overlay->toasts.hidden)
+		engine_counts_draw(engine, overlay->ui);
 	if (overlay->keys.hint_seconds > 0.0f && !overlay->toasts.hidden)
 		below += engine_keys_hint(&overlay->keys, &engine->actions, overlay->ui, below, covered);
 	if (overlay->profiler_open)
@@ -198,6 +209,8 @@ static void engine_overlay_build(stilb_engine *engine)
 		                      &overlay->inspector_open);
 	if (overlay->clips.open)
 		engine_clips_draw(engine, overlay->ui);
+	if (overlay->lights.open)
+		engine_lights_draw(engine, overlay->ui);
 	if (overlay->keys.open)
 		engine_keys_draw(&overlay->keys, &engine->actions, overlay->ui);
 	if (overlay->notice.pad_count > 0)

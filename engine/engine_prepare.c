@@ -16,8 +16,9 @@
 
 struct engine_prepare {
 	stilb_render *render;
-	const stilb_scene *scene; /* NULL: only pipelines */
-	stilb_render_view view;   /* whose pipelines are made; its lights are the scene's, or the copy */
+	const stilb_scene *scene;        /* NULL: only pipelines */
+	stilb_render_view view;          /* whose pipelines are made; its lights are the scene's, or the copy */
+	stilb_engine_shadow_faces faces; /* of its shadow maps */
 	stilb_scene_light *lights;
 	pthread_t thread;
 	_Atomic int speed;  /* stilb_render_speed, set by the main thread; relaxed: nothing else depends on it */
@@ -40,18 +41,35 @@ static stilb_render_speed prepare_pace(void *user, float done)
 	return (stilb_render_speed)atomic_load_explicit(&prepare->speed, memory_order_relaxed); /* partner: prepare_end */
 }
 
+/* Compiles what the view, its reference and its shadow maps need. */
+static stilb_result prepare_views(const engine_prepare *prepare)
+{
+	stilb_result result = stilb_render_prepare_view(prepare->render, &prepare->view);
+	if (result == STILB_OK && prepare->view.show == STILB_RENDER_SHOW_ERROR) {
+		stilb_render_view reference = prepare->view;
+		engine_reference_view(&reference);
+		result = stilb_render_prepare_view(prepare->render, &reference);
+	}
+	if (result != STILB_OK || !prepare->view.shadows)
+		return result;
+	stilb_render_target target = {.kind = STILB_RENDER_TARGET_DEPTH};
+	stilb_render_view map = engine_shadows_view(&prepare->view, prepare->faces);
+	map.target = &target;
+	return stilb_render_prepare_view(prepare->render, &map);
+}
+
 static void *prepare_run(void *user)
 {
 	engine_prepare *prepare = user;
 	stilb_prof_thread_begin("prepare");
 	pthread_setname_np(pthread_self(), "prepare");
-	stilb_result result = stilb_render_prepare_view(prepare->render, &prepare->view);
+	stilb_result result = prepare_views(prepare);
 	if (result == STILB_OK && prepare->scene)
 		result = stilb_cull_create(prepare->scene, &prepare->cull);
 	if (result == STILB_OK && prepare->scene)
 		result = stilb_render_prepare_scene(prepare->render, prepare->scene, prepare_pace, prepare, &prepare->made);
 	if (result == STILB_OK && prepare->scene && prepare->scene->surface_count > 0)
-		result = stilb_render_prepare_view(prepare->render, &prepare->view); /* its surfaces are known now */
+		result = prepare_views(prepare); /* its surfaces are known now */
 	prepare->result = result;
 	if (result != STILB_OK)
 		snprintf(prepare->message, sizeof prepare->message, "%s", stilb_error_message());
@@ -81,10 +99,16 @@ static stilb_result prepare_start(stilb_engine *engine, const stilb_scene *scene
 	}
 	prepare->render = engine->render;
 	prepare->scene = scene;
+	prepare->faces = engine->desc.shadows.faces;
 	prepare->view = *view;
 	for (uint32_t i = 0; i < view->light_count; i++)
 		lights[i] = view->lights[i]; /* the program may change its own meanwhile */
 	prepare->view.lights = prepare->lights = lights;
+	prepare->view.surfaces = engine_draws_surfaces(engine);
+	if (engine_draws_velocity(engine))
+		prepare->view.last = &prepare->view.view_projection; /* it is not read */
+	if (engine->desc.shadows.kind != STILB_ENGINE_SHADOWS_OFF && view->light_count > 0)
+		prepare->view.shadows = &engine->shadows.shadows; /* there are some; they are not read */
 	int error = engine_thread_start(&prepare->thread, prepare_run, prepare);
 	if (error != 0) {
 		free(lights);
@@ -125,6 +149,11 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.light_count = scene->light_count,
 		.lighting = engine->desc.lighting,
 		.deferred = engine->desc.deferred,
+		.light_lists = engine->desc.light_lists,
+		.light_tolerance = engine->desc.light_tolerance,
+		.light_fade = engine->desc.light_fade,
+		.ambient = engine->desc.ambient,
+		.ambient_apart = engine->desc.ambient_apart || engine->shows_ambient || engine->desc.post.occlusion > 0.0f,
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
 		.impostors = scene->impostor_count > 0,
@@ -135,6 +164,11 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.detail = engine->desc.detail,
 		.show = engine->desc.show,
 	};
+	uint32_t solo;
+	if (scene == engine->scene && engine_lights_solo(engine, &solo)) {
+		view.lights += solo;
+		view.light_count = 1;
+	}
 	stilb_scene_surface_channel channel;
 	if (stilb_render_show_channel(view.show, &channel)) { /* a picture of rays over it is shown the same way */
 		view.exposure = 0.0f;
@@ -142,6 +176,17 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 	}
 	memcpy(view.camera_position, scene->camera.position, sizeof view.camera_position);
 	return view;
+}
+
+void engine_reference_view(stilb_render_view *view)
+{
+	bool few = view->light_count <= ENGINE_FORWARD_LIGHTS;
+	view->lighting = few ? STILB_RENDER_LIGHTING_FORWARD : STILB_RENDER_LIGHTING_CLUSTERED;
+	view->light_lists = STILB_RENDER_LIGHT_LISTS_JOBS;
+	view->light_tolerance = 0.0f;
+	view->ambient_apart = view->surfaces = false;
+	view->last = NULL;
+	view->show = STILB_RENDER_SHOW_SHADED;
 }
 
 stilb_render_textures engine_textures_now(const stilb_engine *engine)
@@ -202,9 +247,10 @@ stilb_result engine_prepare_take(engine_prepare **prepare, stilb_cull **cull, st
 
 /* ---- formulas ---------------------------------------------------------------------------------------------------- */
 
-static bool formulas_are_same(const stilb_render_shading *a, const stilb_render_shading *b)
+static bool formulas_are_same(const engine_formulas *a, const engine_formulas *b)
 {
-	return a->brdf == b->brdf && a->ndf == b->ndf && a->g == b->g && a->f == b->f;
+	return a->shading.brdf == b->shading.brdf && a->shading.ndf == b->shading.ndf && a->shading.g == b->shading.g &&
+	       a->shading.f == b->shading.f && a->lighting == b->lighting && a->error == b->error;
 }
 
 /* The renderer makes a new panorama ready over several frames in a window; meanwhile its pipelines are compiled. */
@@ -218,31 +264,33 @@ static void prepare_panorama(stilb_engine *engine)
 	engine->panorama = pixels;
 }
 
-stilb_render_shading engine_prepare_shading(stilb_engine *engine)
+engine_formulas engine_prepare_formulas(stilb_engine *engine)
 {
-	stilb_render_shading wanted = engine->shading, *shown = &engine->views[0].shading;
+	const stilb_render_view *seen = &engine->views[0];
+	engine_formulas wanted = {engine->shading, engine->desc.lighting, engine->desc.show == STILB_RENDER_SHOW_ERROR};
+	engine_formulas shown = {seen->shading, seen->lighting, seen->show == STILB_RENDER_SHOW_ERROR};
 	engine_prepare *compiling = engine->compiling;
 	bool watched = engine->window || engine->desc.surface;
 	if (compiling && prepare_has_ended(compiling)) { /* what failed fails again in the frame, with its message */
-		engine->compiled = compiling->view.shading;
+		engine->compiled = (engine_formulas){compiling->view.shading, compiling->view.lighting,
+		                                     compiling->view.show == STILB_RENDER_SHOW_ERROR};
 		engine_prepare_drop(&engine->compiling);
 	}
 	if (watched && engine->culled_size[0] > 0)
 		prepare_panorama(engine);
-	bool waits = watched && engine->culled_size[0] > 0 && !formulas_are_same(&wanted, shown) &&
+	bool waits = watched && engine->culled_size[0] > 0 && !formulas_are_same(&wanted, &shown) &&
 	             !formulas_are_same(&wanted, &engine->compiled);
 	if (!waits)
 		return wanted;
 	if (!engine->compiling) {
 		stilb_render_view view = engine_view_of(engine, engine->scene);
-		view.shading = wanted;
 		if (prepare_start(engine, NULL, &view, &engine->compiling) != STILB_OK)
 			return wanted; /* the frame makes it, and waits */
 	}
-	stilb_render_shading before = wanted; /* its numbers count at once */
-	before.brdf = shown->brdf;
-	before.ndf = shown->ndf;
-	before.g = shown->g;
-	before.f = shown->f;
+	engine_formulas before = {wanted.shading, shown.lighting, shown.error}; /* its numbers count at once */
+	before.shading.brdf = shown.shading.brdf;
+	before.shading.ndf = shown.shading.ndf;
+	before.shading.g = shown.shading.g;
+	before.shading.f = shown.shading.f;
 	return before;
 }

@@ -159,9 +159,29 @@ static stilb_result update_scene(stilb_engine *engine)
 	}
 	stilb_scene_update_nodes(engine->scene, engine->pool, FRAME_OWNER);
 	STILB_ASSERT(scene->moved_count <= scene->model_count);
-	engine->frame_shading = engine_prepare_shading(engine);
+	engine->frame_formulas = engine_prepare_formulas(engine);
 	engine_cameras_frame(engine);
-	return update_render(engine);
+	stilb_result result = update_render(engine);
+	return result == STILB_OK ? engine_shadows_frame(engine) : result;
+}
+
+/* Finds what each view sees. */
+static stilb_result see_views(stilb_engine *engine)
+{
+	const stilb_scene *scene = engine->scene;
+	stilb_frustum frusta[ENGINE_MAX_VIEWS];
+	for (uint32_t v = 0; v < engine->view_count; v++)
+		frusta[v] = stilb_frustum_from_matrix(&engine->views[v].view_projection);
+	stilb_result result = stilb_cull_run_views(engine->cull, engine->desc.cull, scene, frusta, engine->view_count,
+	                                           engine->pool, FRAME_OWNER, engine->visible);
+	for (uint32_t v = 0; v < engine->view_count && result == STILB_OK; v++) {
+		uint32_t flag = engine->views[v].shadow ? STILB_SCENE_MODEL_CASTS_NO_SHADOW : STILB_SCENE_MODEL_UNSEEN;
+		stilb_cull_visible *visible = &engine->visible[v];
+		visible->count = stilb_scene_leave_out(scene, flag, visible->ids, visible->count);
+		if (engine->views[v].shadow)
+			engine_shadows_leave_out(engine, v, visible);
+	}
+	return result;
 }
 
 static stilb_result cull(stilb_engine *engine)
@@ -178,13 +198,7 @@ static stilb_result cull(stilb_engine *engine)
 	stilb_scene_changes_clear(scene); /* the program's lists for the next frame begin */
 	if (engine->picture.hides_scene)
 		return result; /* what was visible is so still */
-	stilb_frustum frusta[ENGINE_MAX_VIEWS];
-	for (uint32_t v = 0; v < engine->view_count; v++)
-		frusta[v] = stilb_frustum_from_matrix(&engine->views[v].view_projection);
-	if (result == STILB_OK)
-		result = stilb_cull_run_views(engine->cull, engine->desc.cull, scene, frusta, engine->view_count, engine->pool,
-		                              FRAME_OWNER, engine->visible);
-	return result;
+	return result == STILB_OK ? see_views(engine) : result;
 }
 
 static stilb_result record(stilb_engine *engine)
@@ -231,13 +245,14 @@ static stilb_result ui(stilb_engine *engine)
 /* Gathers what threads have drawn into the world; without a scene there are no cameras to see it. */
 static stilb_result debug(stilb_engine *engine)
 {
-	return stilb_debug_frame(engine->debug, engine->views, engine->scene ? engine->view_count : 0, engine->seconds,
-	                         engine->pool, FRAME_OWNER);
+	return stilb_debug_frame(engine->debug, engine->views, engine->scene ? engine->camera_count + 1 : 0,
+	                         engine->seconds, engine->pool, FRAME_OWNER);
 }
 
 static stilb_result replay(stilb_engine *engine)
 {
 	PROFILE("replay");
+	stilb_post_see(engine->post, &engine->views[0]);
 	return stilb_render_replay(engine->render, engine->passes, engine->frame_passes, engine->views, engine->view_count,
 	                           engine->pool, FRAME_OWNER);
 }
@@ -259,6 +274,12 @@ static stilb_result frame_keep_scene(stilb_engine *engine)
 	stilb_image image = {0};
 	engine->picture.hides_scene = false;
 	stilb_result result = frame_begin(engine);
+	engine_cameras_frame(engine); /* with shadows, which hidden scenes have not */
+	engine_shadows_forget(&engine->shadows);
+	if (result == STILB_OK)
+		result = engine_shadows_frame(engine);
+	if (result == STILB_OK)
+		result = see_views(engine);
 	if (result == STILB_OK)
 		result = record(engine);
 	if (result == STILB_OK)
@@ -269,6 +290,13 @@ static stilb_result frame_keep_scene(stilb_engine *engine)
 		result = engine_picture_keep_scene(engine, &image);
 	stilb_image_finish(&image);
 	return result;
+}
+
+/* The device has got the frame of the scene. */
+static void engine_scene_drawn(stilb_engine *engine)
+{
+	engine_cameras_drawn(engine);
+	engine_shadows_drawn(engine);
 }
 
 static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times)
@@ -298,8 +326,10 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 		result = replay(engine);
 	if (result == STILB_OK)
 		engine_value_frame(engine);
+	if (result == STILB_OK)
+		engine_counts_frame(engine);
 	if (result == STILB_OK && engine->scene)
-		engine_cameras_drawn(engine);
+		engine_scene_drawn(engine);
 	frame_clock(&clock, &times->replay);
 	times->pad = engine_input_latency(engine);
 	if (result == STILB_OK && engine->desc.present)

@@ -13,4 +13,10 @@
 #define LIGHTS_OCTREE "octree-100000"
 #define LIGHTS_OCTREE_COUNT 100000u
 
+/* The case of frames. */
+#define LIGHTS_FRAMES "frames-1000"
+
+/* The case of a floor that is cut. */
+#define LIGHTS_FLOOR "floor-18"
+
 #endif

@@ -3,6 +3,8 @@
  * have the same bits. */
 #include "bench/harness/bench_child.h"
 #include "bench/lights/lights_cases.h"
+#include "bench/lights/lights_floor.h"
+#include "bench/lights/lights_frames.h"
 #include "bench/lights/lights_octree.h"
 #include "jobs/job.h"
 #include "light/light_lists.h"
@@ -300,6 +302,14 @@ int main(int argc, char **argv)
 	}
 	LIGHTS_CASES(CASE)
 #undef CASE
+	if (strcmp(child.case_name, LIGHTS_FRAMES) == 0) {
+		lights_frames_measure(&child);
+		return 0;
+	}
+	if (strcmp(child.case_name, LIGHTS_FLOOR) == 0) {
+		lights_floor_measure(&child);
+		return 0;
+	}
 	if (strcmp(child.case_name, LIGHTS_OCTREE) != 0)
 		return BENCH_CHILD_SKIP;
 	run(&child, LIGHTS_OCTREE_COUNT, true);

@@ -8,7 +8,7 @@ static const uint32_t vertex_code[] =
 #include "mesh.vert.inc"
 	;
 static const uint32_t fragment_code[] =
-#include "mesh.frag.inc"
+#include "mesh_alone.frag.inc"
 	;
 
 /* ---- the scene's buffers ----------------------------------------------------------------------------------------- */

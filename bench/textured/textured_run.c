@@ -123,7 +123,8 @@ static void draw_engine(stilb_scene *scene, double seconds)
 	desc.width = TEXTURED_WIDTH;
 	desc.height = TEXTURED_HEIGHT;
 	desc.workers = 1;
-	desc.shading.brdf = SHADE_BRDF_MICROFACET; /* as stilb view has it */
+	desc.shadows.kind = STILB_ENGINE_SHADOWS_OFF; /* nor has the other program any */
+	desc.shading.brdf = SHADE_BRDF_MICROFACET;    /* as stilb view has it */
 	stilb_result result = stilb_engine_create(&desc, &engine);
 	if (result == STILB_ERROR_DEVICE) {
 		fprintf(stderr, "%s\n", stilb_error_message());

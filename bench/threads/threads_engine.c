@@ -30,6 +30,7 @@ static stilb_engine *open_engine(const threads_setup *setup)
 	desc.workers = setup->workers;
 	desc.device = setup->device;
 	desc.replay = setup->replay;
+	desc.shadows.kind = STILB_ENGINE_SHADOWS_OFF; /* the draws that are measured are those of one view */
 	if (setup->device == STILB_RENDER_DEVICE_VULKAN) {
 		desc.width = PICTURE_WIDTH;
 		desc.height = PICTURE_HEIGHT;

@@ -199,6 +199,7 @@ static int print_reference(const char *view_name)
 	stress_engine stress = {.models = THREADS_MODELS, .seed = THREADS_SEED};
 	desc.workers = 0;
 	desc.device = STILB_RENDER_DEVICE_NULL;
+	desc.shadows.kind = STILB_ENGINE_SHADOWS_OFF; /* as in threads_engine.c */
 	for (uint32_t v = 0; v < THREADS_VIEWS; v++)
 		if (strcmp(view_name, threads_view_names[v]) == 0)
 			stress.view = (stilb_scene_stress_view)v;

@@ -3,6 +3,7 @@
 #include "base/base_file.h"
 
 #include <inttypes.h>
+#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -149,6 +150,17 @@ void stilb_json_double(stilb_json *json, const char *key, double value)
 	int64_t micro = llround(fabs(value) * 1e6); /* integers print the same in every locale */
 	snprintf(text, sizeof text, "%s%" PRId64 ".%06" PRId64, value < 0 && micro ? "-" : "", micro / 1000000,
 	         micro % 1000000);
+	json_lead(json, key);
+	json_put(json, text);
+}
+
+void stilb_json_float(stilb_json *json, const char *key, float value)
+{
+	char text[32];
+	snprintf(text, sizeof text, "%.9g", isfinite(value) ? (double)value : 0.0);
+	char *point = strpbrk(text, localeconv()->decimal_point);
+	if (point) /* of one byte in the locales that there are */
+		*point = '.';
 	json_lead(json, key);
 	json_put(json, text);
 }

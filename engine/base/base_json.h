@@ -50,6 +50,9 @@ void stilb_json_int(stilb_json *json, const char *key, int64_t value);
 /* Adds a number with six digits after the point. NaN, infinity and |value| >= 9e12 are written as 0. */
 void stilb_json_double(stilb_json *json, const char *key, double value);
 
+/* Adds a number that is read back as the same float. NaN and infinity are written as 0. */
+void stilb_json_float(stilb_json *json, const char *key, float value);
+
 void stilb_json_bool(stilb_json *json, const char *key, bool value);
 
 /* Saves the document, which is complete, with a newline at its end, whole or not at all (base_file.h), and finishes it.

@@ -16,6 +16,7 @@
 #define STILB_BASE_MATH_H
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -98,6 +99,18 @@ stilb_mat4 stilb_mat4_perspective(float fov_y, float aspect, float near_z, float
  * extraction of viewing frustum planes from the world-view-projection matrix", 2001, with the signs of Vulkan's
  * reversed depth. */
 stilb_frustum stilb_frustum_from_matrix(const stilb_mat4 *view_projection);
+
+/* False: no part of the sphere lies within the frustum, or its radius is NaN. True also of some that lie outside, near
+ * its edges. */
+static inline bool stilb_frustum_may_see(const stilb_frustum *frustum, stilb_sphere sphere)
+{
+	for (int p = 0; p < 6; p++) {
+		const stilb_plane *plane = &frustum->planes[p];
+		if (plane->x * sphere.x + plane->y * sphere.y + plane->z * sphere.z + plane->distance < -sphere.radius)
+			return false;
+	}
+	return sphere.radius >= 0.0f;
+}
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

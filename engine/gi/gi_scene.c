@@ -117,6 +117,7 @@ typedef struct part_plan {
 	uint32_t mesh;        /* index of its mesh in the result */
 	bool shown, instance; /* shown: rays see it; a hidden model's parts, or a removed one's, are not */
 	bool emits;           /* its triangles are lights */
+	uint8_t flags;        /* of its model: STILB_SCENE_MODEL_... */
 } part_plan;
 
 /* Decided before anything is copied: which meshes are shared by instances, and how many vertices, triangles and meshes
@@ -167,6 +168,7 @@ static void plan_parts(stilb_gi_scene *gi, const stilb_scene *scene, bool movabl
 		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++) {
 			part_plan *to = &plan->parts[part];
 			to->shown = !isnan(scene->bounds.radius[model]);
+			to->flags = scene->model_flags[model];
 			bool kept = movable && scene->part_mesh[part] != STILB_SCENE_NONE;
 			to->emits = (to->shown || kept) && gi_scene_emits(gi, scene, scene->part_material[part]);
 			to->instance = (to->shown || kept) && part_may_share(scene, part, to->emits);
@@ -392,6 +394,15 @@ static void part_passes(stilb_gi_scene *gi, gi_part *part)
 	gi->blends |= part->passes && !gi_maps_are_solid(surface);
 }
 
+/* gi_part.mask of a part of a model with these flags. */
+static uint32_t mask_of(uint32_t flags)
+{
+	if (!(flags & (STILB_SCENE_MODEL_UNSEEN | STILB_SCENE_MODEL_CASTS_NO_SHADOW)))
+		return GI_MASK_ALL;
+	return (flags & STILB_SCENE_MODEL_UNSEEN ? 0 : GI_MASK_LOOK) |
+	       (flags & STILB_SCENE_MODEL_CASTS_NO_SHADOW ? 0 : GI_MASK_LIGHT);
+}
+
 /* Fills in a part whose mesh is there, and counts what it shows. */
 static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_plan *plan, uint32_t index)
 {
@@ -405,7 +416,10 @@ static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_pl
 	                  .first_light = GI_NO_LIGHT,
 	                  .instance = plan->instance,
 	                  .hidden = !plan->shown,
+	                  .mask = mask_of(plan->flags),
+	                  .lit_by = plan->flags & STILB_SCENE_MODEL_RECEIVES_NO_SHADOW ? 0 : GI_MASK_LIGHT,
 	                  .to_world = plan->shown || plan->instance ? scene->part_transform[index] : stilb_mat4_identity()};
+	gi->flagged |= plan->flags != 0;
 	if (plan->shown || plan->instance)
 		part_sieve(gi, part, &gi->materials[scene->part_material[index]]);
 	if (!plan->shown)
@@ -549,7 +563,7 @@ static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 		if (gi->materials[i].surface)
 			material_from_surface(&gi->materials[i], &gi->surfaces[gi->materials[i].surface - 1]);
 	}
-	gi->blends = gi->passes = false;
+	gi->blends = gi->passes = gi->flagged = false;
 	gi->emitter_count = 0;
 	gi->textures = gi->found.textures;
 	gi->texture_count = scene->texture_count;
@@ -720,6 +734,8 @@ static bool update_fits(const stilb_gi_scene *gi, const stilb_scene *scene, cons
 		const gi_part *part = &gi->parts[i];
 		const part_plan *to = &plan->parts[i];
 		uint32_t source = to->shown || to->instance ? scene->part_mesh[i] : STILB_SCENE_NONE;
+		if (part->mask != mask_of(to->flags))
+			return false; /* trees know which rays meet which parts */
 		if (part->mesh != to->mesh || part->instance != to->instance || gi->meshes[to->mesh].source != source)
 			return false;
 		if (source != STILB_SCENE_NONE && update_sieve(gi, scene, i) != (part->sieve > 0))

@@ -40,6 +40,8 @@ static uint64_t hash_surfaces(uint64_t hash, const stilb_gi_scene *scene)
 		const gi_part *part = &scene->parts[i];
 		hash = hash_u32(hash_u32(hash, part->mesh), part->material);
 		hash = stilb_hash_fnv1a64(hash, &part->to_world, sizeof part->to_world);
+		if (scene->flagged)
+			hash = hash_u32(hash_u32(hash, part->mask), part->lit_by);
 	}
 	hash = stilb_hash_fnv1a64(hash, scene->materials, scene->material_count * sizeof *scene->materials);
 	for (uint32_t i = 0; i < scene->surface_count; i++)

@@ -46,6 +46,8 @@ typedef struct gi_part {
 	uint32_t first_light; /* of an emitting part: its triangle k is emitter first_light + k; else GI_NO_LIGHT */
 	bool instance;        /* triangles are in the mesh's space, not in the world's; false for all emitting parts */
 	bool hidden;          /* rays do not see it */
+	uint32_t mask;        /* GI_MASK_... of the rays that meet it; GI_MASK_ALL: its model is seen and casts shadows */
+	uint32_t lit_by;      /* the mask of rays from it towards lights: GI_MASK_LIGHT, or 0: it receives no shadows */
 	bool passes;          /* light goes through it: gi_through.h */
 	bool mirrored;        /* an instance whose to_world turns right hands into left ones */
 	bool plain;           /* not textured: gi_primary shades it without calling gi_surface_at */
@@ -79,8 +81,9 @@ struct stilb_gi_scene {
 	stilb_owner owner; /* the thread that created it */
 	const stilb_gi_intersector *intersector;
 	gi_tracer tracer;
-	bool passes; /* some part has gi_part.passes */
-	bool blends; /* some part lets rays through by chance, so that they need a number: gi_ray.time */
+	bool passes;  /* some part has gi_part.passes */
+	bool flagged; /* some part has other masks than most: lights are found by other rays than surfaces are */
+	bool blends;  /* some part lets rays through by chance, so that they need a number: gi_ray.time */
 	uint32_t mesh_count, part_count, material_count, surface_count, texture_count;
 	gi_mesh *meshes;
 	gi_part *parts;

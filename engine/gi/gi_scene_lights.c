@@ -107,6 +107,7 @@ static void emitters_of_part(const stilb_gi_scene *gi, const gi_part *part, bool
 			memcpy(emitter->position[corner], mesh->vertices[mesh->triangles[k].vertex[corner]].position,
 			       sizeof emitter->position[corner]);
 		memcpy(emitter->emission, gi->materials[part->material].emission, sizeof emitter->emission);
+		emitter->unmet = !(part->mask & GI_MASK_LIGHT);
 		if (!surface)
 			continue;
 		STILB_ASSERT(gi->found.means);
@@ -159,6 +160,7 @@ static uint64_t emitter_hash(uint64_t hash, const gi_emitter *emitter)
 {
 	hash = stilb_hash_fnv1a64(hash, emitter->position, sizeof emitter->position);
 	hash = stilb_hash_fnv1a64(hash, emitter->emission, sizeof emitter->emission);
+	hash = stilb_hash_fnv1a64(hash, &emitter->unmet, sizeof emitter->unmet);
 	const gi_glow *glow = &emitter->glow;
 	uint64_t where[] = {(uintptr_t)glow->maps.surface, (uintptr_t)glow->maps.textures, glow->maps.texture_count};
 	if (!glow->maps.surface)

@@ -35,7 +35,10 @@ typedef struct stilb_gpu_limits {
 	uint32_t attachment_side;                                    /* of images that passes draw into */
 	uint32_t color_attachments;                                  /* at most STILB_GPU_MAX_COLORS are used */
 	uint32_t samplers_stage, images_stage, storage_images_stage; /* of one stage of a program */
-	uint32_t group_size[3], group_invocations;                   /* of a dispatch's work group */
+	uint32_t uniforms_stage;                                     /* uniform buffers, likewise */
+	uint32_t uniform_bytes,
+		uniform_align; /* largest part of a buffer that is one; what its first byte is a multiple of */
+	uint32_t group_size[3], group_invocations; /* of a dispatch's work group */
 	uint32_t group_count[3];
 	uint32_t shared_bytes; /* of a work group */
 	uint32_t samples;      /* bits of sample counts that colour and depth images can have */
@@ -44,6 +47,7 @@ typedef struct stilb_gpu_limits {
 	bool timestamps, bc; /* pass times; BC1 to BC7 */
 	bool indirect_count; /* the number of indirect draws may come from a buffer */
 	bool lines;          /* programs may draw the edges of triangles alone */
+	bool counts;         /* programs may have a stencil, and images the format D32_F_S8 */
 } stilb_gpu_limits;
 
 const stilb_gpu_limits *stilb_gpu_limits_get(const stilb_gpu *gpu);
@@ -89,6 +93,7 @@ typedef struct stilb_gpu_buffer {
 #define STILB_GPU_BUFFER_INDIRECT 8u
 #define STILB_GPU_BUFFER_COPY 16u    /* copied from and to */
 #define STILB_GPU_BUFFER_STORAGE 32u /* bound in a set */
+#define STILB_GPU_BUFFER_UNIFORM 64u /* read by passes as STILB_GPU_USE_UNIFORM */
 
 typedef struct stilb_gpu_buffer_desc {
 	const char *name; /* for debuggers and messages; copied */
@@ -200,6 +205,18 @@ typedef enum stilb_gpu_compare {
 	STILB_GPU_COMPARE_EQUAL
 } stilb_gpu_compare;
 
+/* What programs do with the stencil of their depth attachment, a number of 8 bits that LOAD_CLEAR makes 0. */
+typedef enum stilb_gpu_stencil {
+	STILB_GPU_STENCIL_NONE,
+	/* No colour is written. Where the depth test fails, triangles that are clockwise in the picture add 1, the others
+	 * take 1 away, modulo 256. Depth is clamped, not clipped, so that a closed surface leaves a number other than 0
+	 * just where it encloses the depth that is there. Needs stilb_gpu_limits.counts. */
+	STILB_GPU_STENCIL_COUNT,
+	/* Draws where the stencil is not 0, and sets it to 0; where the shader discards, it stays. Depth is clamped here,
+	 * too. */
+	STILB_GPU_STENCIL_COUNTED,
+} stilb_gpu_stencil;
+
 #define STILB_GPU_MAX_SPECIALIZATIONS 16u
 #define STILB_GPU_MAX_VERTEX_INPUTS 8u
 
@@ -215,8 +232,10 @@ typedef struct stilb_gpu_program_desc {
 	stilb_gpu_shader compute;          /* alone */
 	uint8_t samplers;                  /* bindings 0 .. of set 0 that are sampled images */
 	uint8_t storage_images;            /* bindings behind them */
+	uint8_t uniforms;                  /* and behind these, that are uniform buffers */
 	uint8_t set_items;                 /* bindings of set 1, of draw lists */
 	uint8_t depth;                     /* stilb_gpu_compare; NONE: no test */
+	uint8_t stencil;                   /* stilb_gpu_stencil */
 	bool depth_write;
 	bool cull_back; /* triangles that are clockwise in the picture */
 	bool lines;     /* of triangles the edges alone, a pixel wide; needs stilb_gpu_limits.lines */

@@ -23,7 +23,7 @@ stilb_result gpu_check_buffer(const stilb_gpu *gpu, const stilb_gpu_buffer_desc 
 	if (desc->bytes > gpu->limits.buffer_bytes)
 		return FAIL("buffer '%s' of %llu bytes: '%s' has buffers of up to %llu; cut it into several", name,
 		            (unsigned long long)desc->bytes, gpu->name, (unsigned long long)gpu->limits.buffer_bytes);
-	if (desc->uses == 0 || desc->uses >= 2 * STILB_GPU_BUFFER_STORAGE)
+	if (desc->uses == 0 || desc->uses >= 2 * STILB_GPU_BUFFER_UNIFORM)
 		return FAIL("buffer '%s': uses %#x are none of STILB_GPU_BUFFER_...", name, desc->uses);
 	return STILB_OK;
 }
@@ -144,6 +144,19 @@ stilb_result gpu_check_sampler(const stilb_gpu *gpu, const stilb_gpu_sampler_des
 
 /* ---- programs ---------------------------------------------------------------------------------------------------- */
 
+/* Bits of the bindings of set 0. */
+typedef struct program_bindings {
+	uint64_t sampled, storage, uniforms;
+} program_bindings;
+
+static program_bindings bindings_of(const stilb_gpu_program_desc *desc)
+{
+	uint64_t sampled = ((uint64_t)1 << desc->samplers) - 1;
+	uint64_t images = ((uint64_t)1 << (desc->samplers + desc->storage_images)) - 1;
+	uint64_t all = ((uint64_t)1 << (desc->samplers + desc->storage_images + desc->uniforms)) - 1;
+	return (program_bindings){sampled, images & ~sampled, all & ~images};
+}
+
 /* What a vertex shader reads lies in vertices, and what a fragment shader reads comes from the stage before it. */
 static stilb_result check_stages(const stilb_gpu_program_desc *desc, const gpu_spirv *vertex, const gpu_spirv *fragment)
 {
@@ -183,16 +196,19 @@ static stilb_result check_shader(const stilb_gpu *gpu, const stilb_gpu_program_d
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for reading the shaders of program '%s'", name);
 	if (found.wrong)
 		return FAIL("program '%s': its %s shader has %s", name, stage, found.wrong);
-	uint32_t both = (uint32_t)desc->samplers + desc->storage_images;
-	uint32_t sampled = (uint32_t)(((uint64_t)1 << desc->samplers) - 1);
-	uint32_t storage = (uint32_t)((((uint64_t)1 << both) - 1) & ~(((uint64_t)1 << desc->samplers) - 1));
+	program_bindings bindings = bindings_of(desc);
 	uint32_t items = (uint32_t)(((uint64_t)1 << desc->set_items) - 1);
-	uint32_t wrong = (found.sampled & ~sampled) | (found.storage & ~storage);
+	uint32_t wrong = (found.sampled & ~(uint32_t)bindings.sampled) | (found.storage & ~(uint32_t)bindings.storage) |
+	                 (found.uniforms & ~(uint32_t)bindings.uniforms);
 	if (wrong != 0)
 		return FAIL(
 			"program '%s': binding %u of set 0 of its %s shader is not declared so: samplers are 0..%d, storage "
-			"images the %u behind them",
-			name, (unsigned)__builtin_ctz(wrong), stage, (int)desc->samplers - 1, desc->storage_images);
+			"images the %u behind them, uniform buffers the %u behind these",
+			name, (unsigned)__builtin_ctz(wrong), stage, (int)desc->samplers - 1, desc->storage_images, desc->uniforms);
+	if (found.uniform_bytes > gpu->limits.uniform_bytes)
+		return FAIL("program '%s': a uniform buffer of %u bytes in its %s shader: '%s' has up to %u; read it by its "
+		            "address",
+		            name, found.uniform_bytes, stage, gpu->name, gpu->limits.uniform_bytes);
 	if ((found.items & ~items) != 0)
 		return FAIL("program '%s': binding %u of set 1 of its %s shader is not declared: set_items is %u", name,
 		            (unsigned)__builtin_ctz(found.items & ~items), stage, desc->set_items);
@@ -231,15 +247,26 @@ stilb_result gpu_check_program(const stilb_gpu *gpu, const stilb_gpu_program_des
 	if (desc->storage_images > gpu->limits.storage_images_stage)
 		return FAIL("program '%s': %u storage images: '%s' has up to %u; use layers of one image", name,
 		            desc->storage_images, gpu->name, gpu->limits.storage_images_stage);
-	if ((uint32_t)desc->samplers + desc->storage_images > 32 || desc->set_items > STILB_GPU_MAX_SET_ITEMS)
-		return FAIL("program '%s': %u + %u bindings of set 0, %u of set 1: there are up to 32 and %u", name,
-		            desc->samplers, desc->storage_images, desc->set_items, STILB_GPU_MAX_SET_ITEMS);
+	if (desc->uniforms > gpu->limits.uniforms_stage)
+		return FAIL("program '%s': %u uniform buffers: '%s' has up to %u; make one of several", name, desc->uniforms,
+		            gpu->name, gpu->limits.uniforms_stage);
+	if ((uint32_t)desc->samplers + desc->storage_images + desc->uniforms > 32 ||
+	    desc->set_items > STILB_GPU_MAX_SET_ITEMS)
+		return FAIL("program '%s': %u + %u + %u bindings of set 0, %u of set 1: there are up to 32 and %u", name,
+		            desc->samplers, desc->storage_images, desc->uniforms, desc->set_items, STILB_GPU_MAX_SET_ITEMS);
 	if (desc->input_count > STILB_GPU_MAX_VERTEX_INPUTS || desc->constant_count > STILB_GPU_MAX_SPECIALIZATIONS)
 		return FAIL("program '%s': %u vertex inputs, %u specialization constants: there are up to %u and %u", name,
 		            desc->input_count, desc->constant_count, STILB_GPU_MAX_VERTEX_INPUTS,
 		            STILB_GPU_MAX_SPECIALIZATIONS);
 	if (desc->depth > STILB_GPU_COMPARE_EQUAL || desc->blend > STILB_GPU_BLEND_ADD)
 		return FAIL("program '%s': depth %u, blend %u: there are 0..3 and 0..2", name, desc->depth, desc->blend);
+	if (desc->stencil > STILB_GPU_STENCIL_COUNTED ||
+	    (desc->stencil == STILB_GPU_STENCIL_COUNT && (desc->depth == STILB_GPU_COMPARE_NONE || desc->depth_write)))
+		return FAIL("program '%s': stencil %u: there are 0..2, of which 1 has a depth test and writes no depth", name,
+		            desc->stencil);
+	if (desc->stencil != STILB_GPU_STENCIL_NONE && !gpu->limits.counts)
+		return FAIL("program '%s': '%s' draws nothing beyond the far end (depthClamp); choose another GPU", name,
+		            gpu->name);
 	if (desc->lines && !gpu->limits.lines)
 		return FAIL("program '%s': '%s' draws no edges of triangles (fillModeNonSolid); choose another GPU", name,
 		            gpu->name);
@@ -308,14 +335,33 @@ stilb_result gpu_check_upload(const stilb_gpu *gpu, const stilb_gpu_upload *uplo
 
 /* ---- passes ------------------------------------------------------------------------------------------------------ */
 
+/* What is wrong with a pass's uniform buffer for the device; NULL: nothing. */
+static const char *check_uniform(const stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_use *use)
+{
+	const gpu_resource *resource = gpu_plan_resource(plan, use->resource);
+	uint64_t bytes = use->bytes > 0 ? use->bytes : resource->bytes - use->first;
+	const gpu_buffer *owned = resource->image.owned != 0 ? gpu_buffer_of(gpu, resource->image.owned) : NULL;
+	if (owned && !(owned->uses & STILB_GPU_BUFFER_UNIFORM))
+		return "a buffer was not made to be a uniform one; add STILB_GPU_BUFFER_UNIFORM to its uses";
+	if (use->first % gpu->limits.uniform_align != 0)
+		return "a uniform buffer begins at a byte that is not a multiple of the device's uniform_align";
+	return bytes > gpu->limits.uniform_bytes ? "a uniform buffer has more bytes than the device's uniform_bytes" : NULL;
+}
+
 /* What keeps a program from having a pass's uses as its bindings; NULL: nothing. */
 static const char *check_bindings(const stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_program_desc *desc,
                                   const stilb_gpu_pass *pass)
 {
-	uint64_t sampled = 0, storage = 0;
+	uint64_t sampled = 0, storage = 0, uniforms = 0;
 	for (uint32_t u = 0; u < pass->use_count; u++) {
 		const stilb_gpu_use *use = &pass->uses[u];
 		const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, use->resource);
+		if (use->how == STILB_GPU_USE_UNIFORM) {
+			const char *wrong = check_uniform(gpu, plan, use);
+			if (wrong)
+				return wrong;
+			uniforms |= use->slot < 64 ? (uint64_t)1 << use->slot : 0;
+		}
 		if (extent->format == STILB_GPU_NONE)
 			continue;
 		bool integer = stilb_gpu_format_describe(extent->format)->kind == STILB_GPU_FORMAT_INTEGER;
@@ -337,12 +383,13 @@ static const char *check_bindings(const stilb_gpu *gpu, const stilb_gpu_plan *pl
 			storage |= bit;
 		}
 	}
-	uint64_t samplers = ((uint64_t)1 << desc->samplers) - 1;
-	uint64_t images = (((uint64_t)1 << (desc->samplers + desc->storage_images)) - 1) & ~samplers;
-	if (sampled != samplers)
+	program_bindings bindings = bindings_of(desc);
+	if (sampled != bindings.sampled)
 		return "the bindings that its uses sample are not those of its program (samplers)";
-	if (storage != images)
+	if (storage != bindings.storage)
 		return "the bindings of its storage images are not those of its program (storage_images)";
+	if (uniforms != bindings.uniforms)
+		return "the bindings of its uniform buffers are not those of its program (uniforms)";
 	return NULL;
 }
 

@@ -14,7 +14,7 @@ extern "C" {
 /* A row for each format: X(ENUM, name for users, bytes of a block, texels along a block's side, kind). Names follow
  * Vulkan's: bits of each channel, then U unsigned and S signed integers that mean 0..1 and -1..1, UI and SI integers
  * that mean themselves, F floats, SRGB colours whose codes are sRGB. RGB32_F is of vertices alone: no device has images
- * of it. */
+ * of it. D32_F_S8, a depth and a stencil, is drawn into alone. */
 #define STILB_GPU_FORMATS(X)                                                                                           \
 	X(NONE, "none", 0, 1, COLOR)                                                                                       \
 	X(R8_U, "r8_u", 1, 1, COLOR)                                                                                       \
@@ -48,7 +48,8 @@ extern "C" {
 	X(BC5_U, "bc5_u", 16, 4, COLOR)                                                                                    \
 	X(BC6H_F, "bc6h_f", 16, 4, COLOR)                                                                                  \
 	X(BC7_U, "bc7_u", 16, 4, COLOR)                                                                                    \
-	X(BC7_SRGB, "bc7_srgb", 16, 4, COLOR)
+	X(BC7_SRGB, "bc7_srgb", 16, 4, COLOR)                                                                              \
+	X(D32_F_S8, "d32_f_s8", 8, 1, DEPTH)
 
 #define STILB_GPU_FORMAT_ENUM(id, ...) STILB_GPU_##id,
 typedef enum stilb_gpu_format { STILB_GPU_FORMATS(STILB_GPU_FORMAT_ENUM) STILB_GPU_FORMAT_COUNT } stilb_gpu_format;
@@ -69,6 +70,12 @@ typedef struct stilb_gpu_format_info {
 
 /* What is known of a format. */
 const stilb_gpu_format_info *stilb_gpu_format_describe(stilb_gpu_format format);
+
+/* True if its texels have a stencil. */
+static inline bool stilb_gpu_format_has_stencil(stilb_gpu_format format)
+{
+	return format == STILB_GPU_D32_F_S8;
+}
 
 /* Bytes of width x height x depth texels, in whole blocks. */
 uint64_t stilb_gpu_format_bytes(stilb_gpu_format format, uint32_t width, uint32_t height, uint32_t depth);

@@ -395,6 +395,8 @@ uint64_t gpu_mip_bytes(const stilb_gpu_extent *extent, uint32_t mip);
 /* Which bindings a shader has, and what it is given and hands on: bits of bindings and locations 0..31. */
 typedef struct gpu_spirv {
 	uint32_t sampled, storage;       /* of set 0 */
+	uint32_t uniforms;               /* likewise: uniform buffers */
+	uint32_t uniform_bytes;          /* of the largest of them, at least */
 	uint32_t items;                  /* sampled images of set 1 */
 	uint32_t inputs, integer_inputs; /* what it reads of the stage before it, or of vertices */
 	uint32_t outputs;                /* what it writes for the stage behind it, or attachments */

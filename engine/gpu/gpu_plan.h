@@ -72,6 +72,7 @@ extern "C" {
 #define STILB_GPU_MAX_USES 12u
 #define STILB_GPU_MAX_CONSTANTS 128u /* bytes: what every device offers as push constants */
 #define STILB_GPU_ALL 0xffffu        /* of an image row's mips: down to one texel */
+#define STILB_GPU_NO_SLOT 0xffffu    /* of a buffer by address: the program has that from elsewhere */
 #define STILB_GPU_MAX_SIDE 16384u    /* texels of an image's side; a device may have less */
 #define STILB_GPU_MAX_LAYERS 2048u
 #define STILB_GPU_MAX_BUFFER (1ull << 40) /* bytes; likewise */
@@ -115,6 +116,9 @@ typedef enum stilb_gpu_load {
 	STILB_GPU_LOAD_KEEP,    /* what earlier passes have written stays and counts */
 	STILB_GPU_LOAD_CLEAR,   /* every texel of the mip and layer becomes `clear` first, whatever the pass's area */
 	STILB_GPU_LOAD_DISCARD, /* nobody needs what was there; the pass writes every texel that is read later */
+	/* The texels of the pass's area become `clear` first; the others stay and count. Other attachments of the pass are
+	 * cleared in the area alone, too. */
+	STILB_GPU_LOAD_CLEAR_AREA,
 } stilb_gpu_load;
 
 /* What a pass draws into: one mip and layer of an image, or several layers of it at once. */
@@ -136,13 +140,15 @@ typedef enum stilb_gpu_use_kind {
 	STILB_GPU_USE_SAMPLED,       /* image: sampled, at binding `slot` of set 0: 0 .. the program's samplers - 1 */
 	STILB_GPU_USE_STORAGE_READ,  /* image: at binding `slot` of set 0, behind those of the program's samplers: the
 	                                first storage image has the slot `samplers` (stilb_gpu_program_desc), or 0 if none
-	                                is sampled. Buffer: its address at byte `slot` of constants */
+	                                is sampled. Buffer: its address at byte `slot` of constants, or
+	                                STILB_GPU_NO_SLOT */
 	STILB_GPU_USE_STORAGE_WRITE, /* likewise; what was there is lost, unless an earlier pass of the frame wrote it */
 	STILB_GPU_USE_STORAGE,       /* likewise, read and written */
 	STILB_GPU_USE_VERTICES,      /* buffer: vertices or indices of draws */
 	STILB_GPU_USE_INDIRECT,      /* buffer: commands of draws or a dispatch's three group counts, at byte `slot` */
 	STILB_GPU_USE_COPY_FROM,     /* of a pass of kind COPY, together with COPY_TO */
 	STILB_GPU_USE_COPY_TO,
+	STILB_GPU_USE_UNIFORM, /* buffer: read at binding `slot` of set 0, behind those of the program's storage images */
 	STILB_GPU_USE_KINDS,
 } stilb_gpu_use_kind;
 
@@ -154,6 +160,7 @@ typedef struct stilb_gpu_use {
 	uint8_t sampler;        /* SAMPLED: stilb_gpu_sampler.id; 0: nearest, clamped */
 	uint8_t mip, mips;      /* images: mips mip .. mip + mips - 1; mips 0: all from mip on. Storage images: one mip */
 	uint16_t layer, layers; /* likewise */
+	uint32_t first, bytes;  /* UNIFORM: bytes first .. first + bytes - 1 of the buffer; bytes 0: all from first on */
 } stilb_gpu_use;
 
 typedef enum stilb_gpu_pass_kind {
@@ -300,7 +307,7 @@ typedef enum stilb_gpu_access {
 	STILB_GPU_ACCESS_RESOLVE,
 	STILB_GPU_ACCESS_SAMPLED_FRAGMENT,
 	STILB_GPU_ACCESS_SAMPLED_COMPUTE,
-	STILB_GPU_ACCESS_STORAGE_READ_GRAPHICS,
+	STILB_GPU_ACCESS_STORAGE_READ_GRAPHICS, /* these two: also of uniform buffers */
 	STILB_GPU_ACCESS_STORAGE_READ_COMPUTE,
 	STILB_GPU_ACCESS_STORAGE_GRAPHICS,
 	STILB_GPU_ACCESS_STORAGE_COMPUTE,

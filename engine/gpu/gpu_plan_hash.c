@@ -45,7 +45,8 @@ static uint64_t add_attachment(uint64_t hash, const stilb_gpu_plan *plan, const 
 	hash = add(add(hash, attachment->mip), attachment->layer);
 	hash = add(add(hash, attachment->layers > 0 ? attachment->layers : 1), attachment->load);
 	hash = add(hash, attachment->read_only);
-	for (uint32_t i = 0; attachment->load == STILB_GPU_LOAD_CLEAR && i < 4; i++)
+	bool clears = attachment->load == STILB_GPU_LOAD_CLEAR || attachment->load == STILB_GPU_LOAD_CLEAR_AREA;
+	for (uint32_t i = 0; clears && i < 4; i++)
 		hash = add_float(hash, attachment->clear[i]);
 	return hash;
 }
@@ -55,7 +56,8 @@ static uint64_t add_use(uint64_t hash, const stilb_gpu_plan *plan, const stilb_g
 	stilb_gpu_range range = stilb_gpu_plan_range(plan, use);
 	hash = add_resource(hash, plan, use->resource);
 	hash = add(add(add(hash, use->how), use->previous), use->slot);
-	return add(add(add(add(hash, range.mip), range.mips), range.layer), range.layers);
+	hash = add(add(add(add(hash, range.mip), range.mips), range.layer), range.layers);
+	return use->how == STILB_GPU_USE_UNIFORM ? add(add(hash, use->first), use->bytes) : hash;
 }
 
 /* Constants, with zeros where the device writes the addresses of buffers. */
@@ -66,7 +68,7 @@ static uint64_t add_constants(uint64_t hash, const stilb_gpu_plan *plan, const s
 	for (uint32_t i = 0; i < pass->use_count; i++) {
 		const stilb_gpu_use *use = &pass->uses[i];
 		bool address = gpu_plan_resource(plan, use->resource)->buffer && use->how >= STILB_GPU_USE_STORAGE_READ &&
-		               use->how <= STILB_GPU_USE_STORAGE;
+		               use->how <= STILB_GPU_USE_STORAGE && use->slot != STILB_GPU_NO_SLOT;
 		if (address)
 			memset(bytes + use->slot, 0, 8);
 	}

@@ -43,6 +43,7 @@ static const char *const use_verbs[STILB_GPU_USE_KINDS] = {
 	[STILB_GPU_USE_INDIRECT] = "takes commands from",
 	[STILB_GPU_USE_COPY_FROM] = "copies from",
 	[STILB_GPU_USE_COPY_TO] = "copies to",
+	[STILB_GPU_USE_UNIFORM] = "reads",
 };
 
 const char *gpu_touch_verb(const stilb_gpu_pass *pass, const gpu_touch *touch)
@@ -201,7 +202,7 @@ static stilb_result check_attachment(checked *c, const stilb_gpu_attachment *att
 	uint32_t layers = attachment->layers > 0 ? attachment->layers : 1;
 	if (extent->shape == STILB_GPU_SHAPE_3D)
 		return wrong(c, "has the 3-D image '%s' as %s: write it by a dispatch", resource->name, what);
-	if (attachment->load > STILB_GPU_LOAD_DISCARD)
+	if (attachment->load > STILB_GPU_LOAD_CLEAR_AREA)
 		return wrong(c, "loads '%s' by %u: it is none of stilb_gpu_load", resource->name, attachment->load);
 	if (attachment->mip >= extent->mips)
 		return wrong(c, "draws into mip %u of '%s', which has %u", attachment->mip, resource->name, extent->mips);
@@ -213,12 +214,13 @@ static stilb_result check_attachment(checked *c, const stilb_gpu_attachment *att
 
 static void touch_attachment(checked *c, const stilb_gpu_attachment *attachment, stilb_gpu_access access, uint32_t role)
 {
+	bool stays = attachment->load == STILB_GPU_LOAD_KEEP || attachment->load == STILB_GPU_LOAD_CLEAR_AREA;
 	touch_add(c, (gpu_touch){
 					 .resource = attachment->image,
 					 .access = (uint8_t)access,
-					 .reads = attachment->load == STILB_GPU_LOAD_KEEP,
+					 .reads = stays,
 					 .writes = access != STILB_GPU_ACCESS_DEPTH_READ,
-					 .replaces = attachment->load != STILB_GPU_LOAD_KEEP,
+					 .replaces = !stays,
 					 .range = {attachment->mip, 1, attachment->layer, attachment->layers > 0 ? attachment->layers : 1},
 					 .role = (uint8_t)role,
 				 });
@@ -330,7 +332,7 @@ static stilb_result check_area(const checked *c)
 static const uint8_t use_passes[STILB_GPU_USE_KINDS] = {
 	[STILB_GPU_USE_SAMPLED] = 7,   [STILB_GPU_USE_STORAGE_READ] = 7, [STILB_GPU_USE_STORAGE_WRITE] = 7,
 	[STILB_GPU_USE_STORAGE] = 7,   [STILB_GPU_USE_VERTICES] = 1,     [STILB_GPU_USE_INDIRECT] = 5,
-	[STILB_GPU_USE_COPY_FROM] = 8, [STILB_GPU_USE_COPY_TO] = 8,
+	[STILB_GPU_USE_COPY_FROM] = 8, [STILB_GPU_USE_COPY_TO] = 8,      [STILB_GPU_USE_UNIFORM] = 7,
 };
 
 static bool is_storage(const stilb_gpu_use *use)
@@ -355,6 +357,7 @@ static stilb_gpu_access use_access(const stilb_gpu_use *use, bool compute)
 	case STILB_GPU_USE_SAMPLED:
 		return compute ? STILB_GPU_ACCESS_SAMPLED_COMPUTE : STILB_GPU_ACCESS_SAMPLED_FRAGMENT;
 	case STILB_GPU_USE_STORAGE_READ:
+	case STILB_GPU_USE_UNIFORM:
 		return compute ? STILB_GPU_ACCESS_STORAGE_READ_COMPUTE : STILB_GPU_ACCESS_STORAGE_READ_GRAPHICS;
 	case STILB_GPU_USE_STORAGE_WRITE:
 	case STILB_GPU_USE_STORAGE:
@@ -424,7 +427,15 @@ static stilb_result check_storage_image(const checked *c, const stilb_gpu_use *u
 static stilb_result check_buffer_slot(const checked *c, const stilb_gpu_use *use, const gpu_resource *resource)
 {
 	const char *verb = use_verbs[use->how], *name = resource->name;
+	uint64_t end = (uint64_t)use->first + (use->bytes > 0 ? use->bytes : 1);
+	if (use->how != STILB_GPU_USE_UNIFORM && (use->first | use->bytes) != 0)
+		return wrong(c, "%s bytes %u + %u of '%s': only uniform buffers are parts", verb, use->first, use->bytes, name);
+	if (use->how == STILB_GPU_USE_UNIFORM && end > resource->bytes)
+		return wrong(c, "%s bytes %u + %u of '%s' as a uniform buffer, which has %llu", verb, use->first, use->bytes,
+		             name, (unsigned long long)resource->bytes);
 	if (is_storage(use)) {
+		if (use->slot == STILB_GPU_NO_SLOT)
+			return STILB_OK;
 		if (use->slot % 8 != 0 || use->slot + 8 > c->pass->constant_bytes)
 			return wrong(c, "%s '%s' by an address at byte %u of %u bytes of constants: it takes 8, at a multiple of 8",
 			             verb, name, use->slot, c->pass->constant_bytes);
@@ -433,7 +444,7 @@ static stilb_result check_buffer_slot(const checked *c, const stilb_gpu_use *use
 		if (use->slot % 4 != 0 || use->slot + bytes > resource->bytes)
 			return wrong(c, "%s byte %u of '%s', which has %llu: it needs %u there, at a multiple of 4", verb,
 			             use->slot, name, (unsigned long long)resource->bytes, bytes);
-	} else if (use->slot != 0) {
+	} else if (use->how != STILB_GPU_USE_UNIFORM && use->slot != 0) {
 		return wrong(c, "%s '%s' with the slot %u, which says nothing here: leave it 0", verb, name, use->slot);
 	}
 	return STILB_OK;
@@ -447,7 +458,9 @@ static stilb_result check_use_kind(const checked *c, const stilb_gpu_use *use, c
 		return wrong(c, "%s '%s', which no pass of kind %s does", verb, name, kind_names[c->pass->kind]);
 	if (resource->buffer && use->how == STILB_GPU_USE_SAMPLED)
 		return wrong(c, "samples the buffer '%s': only images are sampled", name);
-	if (!resource->buffer && (use->how == STILB_GPU_USE_VERTICES || use->how == STILB_GPU_USE_INDIRECT))
+	bool of_buffers =
+		use->how == STILB_GPU_USE_VERTICES || use->how == STILB_GPU_USE_INDIRECT || use->how == STILB_GPU_USE_UNIFORM;
+	if (!resource->buffer && of_buffers)
 		return wrong(c, "%s the image '%s': it must be a buffer", verb, name);
 	if (use->sampler != 0 && use->how != STILB_GPU_USE_SAMPLED)
 		return wrong(c, "%s '%s' with a sampler, which only sampled images have", verb, name);
@@ -472,8 +485,10 @@ static stilb_result check_slots(const checked *c, uint32_t index)
 		const stilb_gpu_use *other = &c->pass->uses[i];
 		const gpu_resource *before = gpu_plan_resource(c->plan, other->resource);
 		bool sampled = use->how == STILB_GPU_USE_SAMPLED && other->how == STILB_GPU_USE_SAMPLED;
+		bool uniform = use->how == STILB_GPU_USE_UNIFORM && other->how == STILB_GPU_USE_UNIFORM;
 		bool storage = is_storage(use) && is_storage(other) && resource->buffer == before->buffer;
-		if ((sampled || storage) && use->slot == other->slot)
+		bool bound = sampled || uniform || (storage && use->slot != STILB_GPU_NO_SLOT);
+		if (bound && use->slot == other->slot)
 			return wrong(c, "has '%s' and '%s' at the slot %u: each has one of its own", before->name, resource->name,
 			             use->slot);
 		if (use->how == STILB_GPU_USE_INDIRECT && other->how == STILB_GPU_USE_INDIRECT)

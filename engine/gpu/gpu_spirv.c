@@ -33,6 +33,7 @@ enum {
 	MODE_LOCAL_SIZE_ID = 38,
 	MODE_LOCAL_SIZE = 17,
 	DECORATION_SPEC_ID = 1,
+	DECORATION_BLOCK = 2,
 	DECORATION_ARRAY_STRIDE = 6,
 	DECORATION_BUILT_IN = 11,
 	DECORATION_LOCATION = 30,
@@ -53,6 +54,7 @@ typedef struct spirv_id {
 	uint8_t kind;            /* spirv_kind of a type */
 	bool integer;            /* of a type: its scalars are */
 	bool built_in;           /* of a struct: members are built-in variables */
+	bool block;              /* of a struct: it is a buffer's, which is not written */
 	uint16_t width;          /* bits of a type's scalars */
 	uint32_t set;            /* + 1 of a variable; 0: none */
 	uint32_t binding;        /* + 1 */
@@ -96,6 +98,15 @@ static void spirv_interface(const spirv_id *ids, uint32_t type, uint32_t variabl
 		out->integer_inputs |= places;
 }
 
+/* A uniform buffer. */
+static void spirv_uniform(const spirv_id *block, uint32_t set, uint32_t binding, gpu_spirv *out)
+{
+	if (set == 2)
+		out->wrong = "a uniform buffer in set 1";
+	out->uniforms |= 1u << (binding - 1);
+	out->uniform_bytes = block->bytes > out->uniform_bytes ? block->bytes : out->uniform_bytes;
+}
+
 static void spirv_variable(const spirv_id *ids, uint32_t type, uint32_t variable, uint32_t class, gpu_spirv *out)
 {
 	uint32_t set = ids[variable].set, binding = ids[variable].binding;
@@ -107,17 +118,20 @@ static void spirv_variable(const spirv_id *ids, uint32_t type, uint32_t variable
 		out->wrong = "more than 128 bytes of push constants";
 		return;
 	}
-	if (class == CLASS_UNIFORM || class == CLASS_STORAGE_BUFFER) {
-		out->wrong = "a buffer in a set: buffers are read by their addresses";
+	const spirv_id *value = &ids[ids[type].points];
+	if (class == CLASS_STORAGE_BUFFER || (class == CLASS_UNIFORM && !value->block && value->kind == SPIRV_STRUCT)) {
+		out->wrong = "a storage buffer in a set: buffers that are no uniform ones are read by their addresses";
 		return;
 	}
-	if (class != CLASS_UNIFORM_CONSTANT || binding == 0)
+	if ((class != CLASS_UNIFORM_CONSTANT && class != CLASS_UNIFORM) || binding == 0)
 		return;
-	uint8_t kind = ids[ids[type].points].kind;
+	uint8_t kind = value->kind;
 	if (binding > 32 || set > 2)
 		out->wrong = "a binding above 31, or a set above 1";
 	else if (kind == SPIRV_ARRAY)
-		out->wrong = "an array of images in a binding";
+		out->wrong = "an array of images or buffers in a binding";
+	else if (class == CLASS_UNIFORM)
+		spirv_uniform(value, set, binding, out);
 	else if (kind == SPIRV_STORAGE && set == 2)
 		out->wrong = "a storage image in set 1";
 	else if (kind == SPIRV_OTHER)
@@ -194,6 +208,7 @@ static void spirv_type(const uint32_t *words, uint32_t count, spirv_id *ids)
 static void spirv_decorate(const uint32_t *words, uint32_t count, spirv_id *id)
 {
 	uint32_t value = count >= 4 ? words[3] : 0;
+	id->block |= words[2] == DECORATION_BLOCK;
 	switch (count >= 4 ? words[2] : UINT32_MAX) {
 	case DECORATION_BINDING:
 		id->binding = value < 32 ? value + 1 : 33;

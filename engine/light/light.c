@@ -1,6 +1,7 @@
 /* Builds a view's lists: the lights that reach it, the cells of each, and from these the lights of each cell. */
 #include "light/light.h"
 #include "light/light_lists.h"
+#include "light/light_reached.h"
 #include "profiler/prof.h"
 
 #include <math.h>
@@ -79,76 +80,67 @@ static void light_job_lists(uint32_t begin, uint32_t end, uint32_t worker, void 
 	}
 }
 
-/* Finds the lights and their cells for an irradiance that a light may send where it is left out; *pairs: of light and
- * cell; *longest: list. */
-static stilb_result build_find(light_build *build, double irradiance, uint64_t *pairs, uint32_t *longest)
+/* Finds the lights and their cells. *pairs: of light and cell. */
+static stilb_result build_spans(light_build *build, uint64_t *pairs)
 {
-	build->irradiance = irradiance;
 	stilb_result result = light_reaching_find(build);
 	if (result == STILB_OK)
 		result = light_bands_fill(build);
 	*pairs = 0;
-	*longest = 0;
 	const light_view *view = &build->scratch->view;
 	for (uint32_t b = 0; result == STILB_OK && b < light_bands(view) * view->slices; b++) {
 		light_band *band = &build->scratch->bands[b];
 		band->first_id = *pairs;
 		*pairs += band->id_count;
-		*longest = band->longest > *longest ? band->longest : *longest;
 	}
 	return result;
 }
 
-/* Lamps whose light does not end. */
-static uint64_t build_endless(const light_build *build)
+static bool build_is_endless(const stilb_scene_light *light)
 {
-	const light_reaching *r = &build->scratch->reaching;
+	return light->kind != STILB_SCENE_LIGHT_DIRECTIONAL && light->falloff == STILB_SCENE_LIGHT_PHYSICAL &&
+	       light->use != STILB_SCENE_LIGHT_BAKED && light_reach(light, 0.0) > 0.0;
+}
+
+/* Shares the tolerance: half of it ends lamps that have no end, each where it sends the same part of that half. The
+ * other half, or all if there are none, is for what is left out of the lists. Returns the number of these lamps. */
+static uint64_t build_share(light_build *build)
+{
+	const stilb_light_grid *grid = build->grid;
 	uint64_t endless = 0;
-	for (uint32_t c = 0; c < r->chunk_count; c++)
-		for (uint32_t i = 0; i < r->chunks[c].everywhere_count; i++) {
-			uint32_t index = r->everywhere[c * LIGHT_CHUNK + i];
-			endless += build->lights[index].kind != STILB_SCENE_LIGHT_DIRECTIONAL;
-		}
+	if (!(grid->tolerance > 0.0f))
+		return 0;
+	for (uint32_t i = 0; build->lights && i < build->count; i++)
+		endless += build_is_endless(&build->lights[build->candidates ? build->candidates[i] : i]);
+	double all = (double)grid->tolerance / (double)grid->peak;
+	build->prunable = endless > 0 ? 0.5 * all : all;
+	build->irradiance = endless > 0 ? 0.5 * all / (double)endless : 0.0;
 	return endless;
 }
 
-/* With a tolerance, the lists without one say how many lights a cell has at most, and each may send as large a part of
- * it where it is left out. */
-static stilb_result build_spans(light_build *build, uint64_t *pairs)
+/* Pairs of lamps without an end and cells that are in the lists. */
+static uint64_t build_endless_pairs(const light_build *build)
 {
-	const stilb_light_grid *grid = build->grid;
-	stilb_light_lists *lists = build->lists;
-	uint64_t cells = (uint64_t)lists->columns * lists->rows * lists->slices;
-	uint32_t longest;
-	stilb_result result = build_find(build, 0.0, pairs, &longest);
-	if (result != STILB_OK || !(grid->tolerance > 0.0f))
-		return result;
-	uint64_t endless = build_endless(build), most = longest + endless, all = *pairs + endless * cells;
-	if (most == 0)
-		return STILB_OK;
-	double share = (double)grid->tolerance / ((double)grid->peak * (double)most);
-	result = build_find(build, share, pairs, &longest);
-	uint64_t kept = *pairs + build_endless(build) * cells, left_out = all > kept ? all - kept : 0;
-	lists->left_out = left_out < UINT32_MAX ? (uint32_t)left_out : UINT32_MAX;
-	return result;
+	const stilb_light_lists *lists = build->lists;
+	const uint32_t *own = lists->lights + lists->everywhere_count;
+	uint64_t pairs = 0, cells = (uint64_t)lists->columns * lists->rows * lists->slices;
+	for (uint32_t i = 0; i < lists->everywhere_count; i++)
+		pairs += build_is_endless(&build->lights[lists->lights[i]]) ? cells : 0;
+	for (uint32_t i = 0; i < lists->id_count; i++)
+		pairs += build_is_endless(&build->lights[own[lists->ids[i]]]);
+	return pairs;
 }
 
-/* Writes the lists. */
-static stilb_result build_write(light_build *build, uint64_t pairs)
+/* Writes the lights that reach the view. */
+static stilb_result build_lights(const light_build *build)
 {
 	struct light_scratch *scratch = build->scratch;
 	stilb_light_lists *lists = build->lists;
 	const light_reaching *r = &scratch->reaching;
 	lists->everywhere_count = r->everywhere_count;
 	lists->light_count = r->everywhere_count + r->count;
-	uint64_t cells = (uint64_t)lists->columns * lists->rows * lists->slices;
-	if (!lists_reserve(&lists->lights, &scratch->light_capacity, lists->light_count) ||
-	    !lists_reserve(&lists->starts, &scratch->start_capacity, cells + 1) || pairs > UINT32_MAX ||
-	    !lists_reserve(&lists->ids, &scratch->id_capacity, pairs))
-		return stilb_fail(STILB_ERROR_MEMORY, "light lists: no memory for %llu pairs of light and cell",
-		                  (unsigned long long)pairs);
-	lists->id_count = (uint32_t)pairs;
-	lists->starts[cells] = (uint32_t)pairs;
+	if (!lists_reserve(&lists->lights, &scratch->light_capacity, lists->light_count))
+		return stilb_fail(STILB_ERROR_MEMORY, "light lists: no memory for %u lights", lists->light_count);
 	uint32_t *own = lists->lights + lists->everywhere_count, *everywhere = lists->lights;
 	for (uint32_t c = 0; c < r->chunk_count; c++) {
 		size_t first = (size_t)c * LIGHT_CHUNK;
@@ -156,6 +148,24 @@ static stilb_result build_write(light_build *build, uint64_t pairs)
 		memcpy(everywhere, r->everywhere + first, r->chunks[c].everywhere_count * sizeof *everywhere);
 		everywhere += r->chunks[c].everywhere_count;
 	}
+	return STILB_OK;
+}
+
+/* Writes the lists. */
+static stilb_result build_write(light_build *build, uint64_t pairs)
+{
+	struct light_scratch *scratch = build->scratch;
+	stilb_light_lists *lists = build->lists;
+	uint64_t cells = (uint64_t)lists->columns * lists->rows * lists->slices;
+	stilb_result result = build_lights(build);
+	if (result != STILB_OK)
+		return result;
+	if (!lists_reserve(&lists->starts, &scratch->start_capacity, cells + 1) || pairs > UINT32_MAX ||
+	    !lists_reserve(&lists->ids, &scratch->id_capacity, pairs))
+		return stilb_fail(STILB_ERROR_MEMORY, "light lists: no memory for %llu pairs of light and cell",
+		                  (unsigned long long)pairs);
+	lists->id_count = (uint32_t)pairs;
+	lists->starts[cells] = (uint32_t)pairs;
 	light_spread(build, light_bands(&scratch->view) * lists->slices, light_job_lists);
 	return STILB_OK;
 }
@@ -182,31 +192,70 @@ static stilb_result scratch_make(stilb_light_lists *lists)
 	return STILB_OK;
 }
 
-stilb_result stilb_light_lists_build(stilb_light_lists *lists, const stilb_light_grid *grid,
-                                     const stilb_scene_light *lights, uint32_t count, const uint32_t *candidates,
-                                     uint32_t candidate_count, stilb_job_pool *pool, uint32_t worker)
+/* What is asked for. */
+static light_build build_of(stilb_light_lists *lists, const stilb_light_grid *grid, const stilb_scene_light *lights,
+                            uint32_t count, const uint32_t *candidates, uint32_t candidate_count, stilb_job_pool *pool,
+                            uint32_t worker)
 {
-	PROFILE("light");
 	STILB_ASSERT(lists && grid);
 	STILB_ASSERT(lights || count == 0);
 	STILB_ASSERT(!pool || worker <= stilb_job_pool_worker_count(pool));
-	light_build build = {.lists = lists,
+	return (light_build){.lists = lists,
 	                     .grid = grid,
 	                     .lights = lights,
 	                     .candidates = candidates,
 	                     .count = candidates ? candidate_count : count,
 	                     .pool = pool,
 	                     .worker = worker};
-	uint64_t pairs;
+}
+
+/* Shares the tolerance and cuts the view into cells. *endless: lamps that the tolerance ends. */
+static stilb_result build_begin(light_build *build, uint64_t *endless)
+{
+	stilb_light_lists *lists = build->lists;
+	*endless = build_share(build);
 	lists_clear(lists);
 	stilb_result result = lists->scratch ? STILB_OK : scratch_make(lists);
-	build.scratch = lists->scratch;
-	if (result == STILB_OK)
-		result = light_view_make(&build.scratch->view, grid, lists);
+	build->scratch = lists->scratch;
+	return result == STILB_OK ? light_view_make(&build->scratch->view, build->grid, lists) : result;
+}
+
+stilb_result stilb_light_lists_build(stilb_light_lists *lists, const stilb_light_grid *grid,
+                                     const stilb_scene_light *lights, uint32_t count, const uint32_t *candidates,
+                                     uint32_t candidate_count, stilb_job_pool *pool, uint32_t worker)
+{
+	PROFILE("light");
+	light_build build = build_of(lists, grid, lights, count, candidates, candidate_count, pool, worker);
+	uint64_t pairs, endless, kept = 0;
+	stilb_result result = build_begin(&build, &endless);
 	if (result == STILB_OK)
 		result = build_spans(&build, &pairs);
 	if (result == STILB_OK)
 		result = build_write(&build, pairs);
+	if (result == STILB_OK && build.prunable > 0.0) {
+		kept = endless > 0 ? build_endless_pairs(&build) : 0;
+		result = light_prune(&build);
+		uint64_t cells = (uint64_t)lists->columns * lists->rows * lists->slices;
+		uint64_t left_out = endless * cells - kept + (pairs - lists->id_count);
+		lists->left_out = left_out < UINT32_MAX ? (uint32_t)left_out : UINT32_MAX;
+	}
+	if (result != STILB_OK)
+		lists_clear(lists);
+	return result;
+}
+
+stilb_result stilb_light_reached_find(stilb_light_lists *lists, const stilb_light_grid *grid,
+                                      const stilb_scene_light *lights, uint32_t count, const uint32_t *candidates,
+                                      uint32_t candidate_count, stilb_job_pool *pool, uint32_t worker)
+{
+	PROFILE("light");
+	light_build build = build_of(lists, grid, lights, count, candidates, candidate_count, pool, worker);
+	uint64_t endless;
+	stilb_result result = build_begin(&build, &endless);
+	if (result == STILB_OK)
+		result = light_reaching_find(&build);
+	if (result == STILB_OK)
+		result = build_lights(&build);
 	if (result != STILB_OK)
 		lists_clear(lists);
 	return result;
@@ -220,6 +269,7 @@ void stilb_light_lists_finish(stilb_light_lists *lists)
 		light_view_finish(&lists->scratch->view);
 		light_reaching_finish(&lists->scratch->reaching);
 		light_bands_finish(lists->scratch);
+		free(lists->scratch->weak);
 	}
 	free(lists->scratch);
 	free(lists->lights);

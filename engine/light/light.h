@@ -8,7 +8,9 @@
  * Everywhere Lights that reach all of space (suns, and lamps whose falloff is physical and which the tolerance does not
  *            end) are in no cell's list: they stand first, and count for every cell.
  * Tolerance  What is left out of a cell's list although it reaches the cell sends at most `tolerance` to any point of
- *            it, all such lights together, whatever the material.
+ *            it, all such lights together, whatever the material. Lamps without an end share half of it and end where
+ *            each sends its part; the rest, or all of it without such lamps, goes to each cell's weakest lights, by
+ *            what they send to the nearest point of a sphere around the cell. Cells of the open slice keep theirs.
  * Order      Lights keep the scene's order, so that sums over a list have the same bits as sums over all lights that a
  *            view has: what a list lacks sends exactly 0, unless a tolerance above 0 allows more.
  * Shader     Of a pixel at gl_FragCoord whose point is p: the cell is x = uint(gl_FragCoord.x) / tile, y likewise, and
@@ -50,7 +52,7 @@ typedef struct stilb_light_grid {
 
 typedef struct stilb_light_lists {
 	uint32_t *lights; /* [light_count] indices of the view's lights: first everywhere_count that reach all of it, then
-	                        those that the cells' lists name; both ascending */
+	                        those that reach a part of it, of which cells' lists are; both ascending */
 	uint32_t light_count, everywhere_count;
 	uint32_t columns, rows, slices; /* cells: columns * rows * slices; cell (x, y, z) is x + columns * (y + rows * z) */
 	uint32_t *starts;               /* [cells + 1]: cell c has ids[starts[c]] .. ids[starts[c + 1] - 1] */

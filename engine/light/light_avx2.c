@@ -139,8 +139,9 @@ static avx2_row avx2_shrink(const light_slab *slab, const light_picked *picked, 
 }
 
 /* Spans as pairs of 16 bits, for the lanes of row->in; takes those away that reach no column. */
-static __m256i avx2_tangents(const light_columns *c, avx2_row *row)
+static __m256i avx2_tangents(const light_slab *slab, avx2_row *row)
 {
+	const light_columns *c = slab->columns;
 	__m256 zero = _mm256_setzero_ps(), end = avx2_set((float)c->count), sign = avx2_set(-0.0f);
 	__m256 x = row->x, w = row->w, square = row->square;
 	__m256 ww = _mm256_mul_ps(w, w), xw = _mm256_mul_ps(x, w);
@@ -149,16 +150,21 @@ static __m256i avx2_tangents(const light_columns *c, avx2_row *row)
 	__m256 gradient = _mm256_sub_ps(_mm256_mul_ps(avx2_set(c->xx), ww), _mm256_mul_ps(avx2_set(c->xw + c->xw), xw));
 	gradient = _mm256_add_ps(gradient, _mm256_mul_ps(avx2_set(c->ww), _mm256_mul_ps(x, x)));
 	__m256 root = _mm256_max_ps(_mm256_sub_ps(gradient, _mm256_mul_ps(avx2_set(c->area), square)), zero);
-	__m256 half = _mm256_mul_ps(_mm256_mul_ps(_mm256_sqrt_ps(square), _mm256_sqrt_ps(root)), inverse);
+	__m256 radius = _mm256_sqrt_ps(square), half = _mm256_mul_ps(_mm256_mul_ps(radius, _mm256_sqrt_ps(root)), inverse);
 	__m256 terms = _mm256_add_ps(_mm256_andnot_ps(sign, middle), half);
 	half = _mm256_add_ps(half, _mm256_mul_ps(terms, avx2_set(LIGHT_TANGENT_GROWTH)));
+	__m256 near = avx2_set(slab->inverse_near), far = avx2_set(slab->inverse_far);
+	__m256 reach = _mm256_mul_ps(radius, avx2_set(c->length));
+	__m256 low = _mm256_sub_ps(x, reach), high = _mm256_add_ps(x, reach);
+	__m256 least = _mm256_min_ps(_mm256_mul_ps(low, near), _mm256_mul_ps(low, far));
+	__m256 most = _mm256_max_ps(_mm256_mul_ps(high, near), _mm256_mul_ps(high, far));
 	__m256 scale = avx2_set(c->scale);
-	__m256 first =
-		_mm256_add_ps(_mm256_mul_ps(_mm256_sub_ps(middle, half), scale), avx2_set(c->shift - LIGHT_COLUMN_GROWTH));
-	__m256 last =
-		_mm256_add_ps(_mm256_mul_ps(_mm256_add_ps(middle, half), scale), avx2_set(c->shift + LIGHT_COLUMN_GROWTH));
+	__m256 first = _mm256_add_ps(_mm256_mul_ps(_mm256_max_ps(_mm256_sub_ps(middle, half), least), scale),
+	                             avx2_set(c->shift - LIGHT_COLUMN_GROWTH));
+	__m256 last = _mm256_add_ps(_mm256_mul_ps(_mm256_min_ps(_mm256_add_ps(middle, half), most), scale),
+	                            avx2_set(c->shift + LIGHT_COLUMN_GROWTH));
 	__m256 some = _mm256_and_ps(_mm256_cmp_ps(first, end, _CMP_LT_OQ), _mm256_cmp_ps(last, zero, _CMP_GE_OQ));
-	row->in = _mm256_and_ps(row->in, some);
+	row->in = _mm256_and_ps(row->in, _mm256_and_ps(some, _mm256_cmp_ps(first, last, _CMP_LE_OQ)));
 	__m256i from = _mm256_cvttps_epi32(_mm256_max_ps(first, zero));
 	__m256i to = _mm256_cvttps_epi32(_mm256_min_ps(last, _mm256_sub_ps(end, avx2_set(1.0f))));
 	return _mm256_or_si256(from, _mm256_slli_epi32(to, 16));
@@ -187,9 +193,10 @@ static bool avx2_span_near(const light_columns *c, float x, float w, float squar
 }
 
 /* Adds the spans of lanes of which some are near. */
-static void avx2_spans_near(const light_columns *columns, const avx2_row *row, const uint32_t *from, uint32_t *numbers,
+static void avx2_spans_near(const light_slab *slab, const avx2_row *row, const uint32_t *from, uint32_t *numbers,
                             light_span *spans, uint32_t *count)
 {
+	const light_columns *columns = slab->columns;
 	float x[LANES], w[LANES], square[LANES];
 	_mm256_storeu_ps(x, row->x);
 	_mm256_storeu_ps(w, row->w);
@@ -197,7 +204,7 @@ static void avx2_spans_near(const light_columns *columns, const avx2_row *row, c
 	for (uint32_t left = (uint32_t)_mm256_movemask_ps(row->in); left; left &= left - 1) {
 		uint32_t i = (uint32_t)__builtin_ctz(left);
 		bool far = scalar_is_far(columns, w[i], square[i]);
-		if (far ? scalar_span_far(columns, x[i], w[i], square[i], &spans[*count])
+		if (far ? scalar_span_far(slab, x[i], w[i], square[i], &spans[*count])
 		        : avx2_span_near(columns, x[i], w[i], square[i], &spans[*count]))
 			numbers[(*count)++] = from[i];
 	}
@@ -216,10 +223,10 @@ static uint32_t avx2_spans(const light_slab *slab, const light_picked *picked, u
 		__m256 far = _mm256_and_ps(_mm256_cmp_ps(_mm256_mul_ps(lanes.w, lanes.w), limit, _CMP_GT_OQ),
 		                           _mm256_cmp_ps(lanes.w, _mm256_setzero_ps(), _CMP_GT_OQ));
 		if (!_mm256_testc_ps(far, lanes.in)) {
-			avx2_spans_near(columns, &lanes, picked->number + i, numbers, spans, &count);
+			avx2_spans_near(slab, &lanes, picked->number + i, numbers, spans, &count);
 			continue;
 		}
-		__m256i found = avx2_tangents(columns, &lanes);
+		__m256i found = avx2_tangents(slab, &lanes);
 		uint32_t mask = (uint32_t)_mm256_movemask_ps(lanes.in);
 		__m256i order = avx2_order(mask);
 		_mm256_storeu_si256((__m256i *)(spans + count), _mm256_permutevar8x32_epi32(found, order));
@@ -313,12 +320,75 @@ light_span light_trim_avx2(const light_cone_row *row, light_span span)
 	return LIGHT_SPAN_NONE;
 }
 
+/* Lights that reach a block of columns. */
+typedef struct avx2_block {
+	uint32_t numbers[LIGHT_BLOCK_ROW + LANES];
+	uint32_t columns[LIGHT_BLOCK_ROW + LANES]; /* a bit for each that they reach */
+	uint32_t count;
+} avx2_block;
+
+/* count: padded to LANES by spans of no column. */
+static void avx2_block_find(const uint32_t *numbers, const light_span *spans, uint32_t count, uint32_t column,
+                            avx2_block *block)
+{
+	__m256i zero = _mm256_setzero_si256(), all = _mm256_set1_epi32((1 << LIGHT_BLOCK) - 1);
+	__m256i begin = _mm256_set1_epi32((int)column), end = _mm256_set1_epi32((int)(column + LIGHT_BLOCK - 1));
+	uint32_t at = 0;
+	for (uint32_t i = 0; i < count; i += LANES) {
+		__m256i span = _mm256_loadu_si256((const __m256i *)(spans + i));
+		__m256i first = _mm256_and_si256(span, _mm256_set1_epi32(0xffff)), last = _mm256_srli_epi32(span, 16);
+		__m256i from = _mm256_sllv_epi32(all, _mm256_max_epi32(_mm256_sub_epi32(first, begin), zero));
+		__m256i to = _mm256_srlv_epi32(all, _mm256_max_epi32(_mm256_sub_epi32(end, last), zero));
+		__m256i columns = _mm256_and_si256(from, to);
+		uint32_t some = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(columns, zero)));
+		__m256i order = avx2_order(some);
+		avx2_store((float *)(block->numbers + at), _mm256_loadu_ps((const float *)(numbers + i)), order);
+		avx2_store((float *)(block->columns + at), _mm256_castsi256_ps(columns), order);
+		at += (uint32_t)__builtin_popcount(some);
+	}
+	block->count = at;
+	_mm256_storeu_si256((__m256i *)(block->columns + at), zero);
+}
+
+/* Writes the list of a block's column, of which `bit` is the number. end: of ids. */
+static void avx2_block_fill(const avx2_block *block, uint32_t bit, uint32_t at, uint32_t end, uint32_t *ids)
+{
+	__m128i up = _mm_cvtsi32_si128((int)(31 - bit));
+	for (uint32_t i = 0; i < block->count; i += LANES) {
+		__m256i columns = _mm256_sll_epi32(_mm256_loadu_si256((const __m256i *)(block->columns + i)), up);
+		uint32_t in = (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(columns));
+		if (at + LANES <= end)
+			avx2_store((float *)(ids + at), _mm256_loadu_ps((const float *)(block->numbers + i)), avx2_order(in));
+		else
+			for (uint32_t left = in, to = at; left; left &= left - 1)
+				ids[to++] = block->numbers[i + (uint32_t)__builtin_ctz(left)];
+		at += (uint32_t)__builtin_popcount(in);
+	}
+}
+
+static void avx2_fill_dense(uint32_t *numbers, light_span *spans, uint32_t count, uint32_t *cursors, uint32_t columns,
+                            uint32_t end, uint32_t *ids)
+{
+	avx2_block block;
+	if (count > LIGHT_BLOCK_ROW) {
+		light_fill(numbers, spans, count, cursors, ids);
+		return;
+	}
+	for (uint32_t i = count; i % LANES != 0; i++)
+		spans[i] = LIGHT_SPAN_NONE;
+	for (uint32_t first = 0; first < columns; first += LIGHT_BLOCK) {
+		avx2_block_find(numbers, spans, count, first, &block);
+		for (uint32_t c = first; c < columns && c < first + LIGHT_BLOCK; c++)
+			avx2_block_fill(&block, c - first, cursors[c], end, ids);
+	}
+}
+
 const light_kernels light_kernels_avx2 = {
 	.slices = avx2_slices,
 	.pick = avx2_pick,
 	.narrow = avx2_narrow,
 	.spans = avx2_spans,
 	.trim = light_trim_avx2,
-	.fill_dense = light_fill_dense,
+	.fill_dense = avx2_fill_dense,
 };
 #endif

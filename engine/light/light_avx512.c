@@ -128,8 +128,9 @@ static avx512_row avx512_shrink(const light_slab *slab, const light_picked *pick
 }
 
 /* Spans as pairs of 16 bits, for the lanes of row->in; takes those away that reach no column. */
-static __m512i avx512_tangents(const light_columns *c, avx512_row *row)
+static __m512i avx512_tangents(const light_slab *slab, avx512_row *row)
 {
+	const light_columns *c = slab->columns;
 	__m512 zero = _mm512_setzero_ps(), end = avx512_set((float)c->count);
 	__m512 x = row->x, w = row->w, square = row->square;
 	__m512 ww = _mm512_mul_ps(w, w), xw = _mm512_mul_ps(x, w);
@@ -138,16 +139,22 @@ static __m512i avx512_tangents(const light_columns *c, avx512_row *row)
 	__m512 gradient = _mm512_sub_ps(_mm512_mul_ps(avx512_set(c->xx), ww), _mm512_mul_ps(avx512_set(c->xw + c->xw), xw));
 	gradient = _mm512_add_ps(gradient, _mm512_mul_ps(avx512_set(c->ww), _mm512_mul_ps(x, x)));
 	__m512 root = _mm512_max_ps(_mm512_sub_ps(gradient, _mm512_mul_ps(avx512_set(c->area), square)), zero);
-	__m512 half = _mm512_mul_ps(_mm512_mul_ps(_mm512_sqrt_ps(square), _mm512_sqrt_ps(root)), inverse);
+	__m512 radius = _mm512_sqrt_ps(square), half = _mm512_mul_ps(_mm512_mul_ps(radius, _mm512_sqrt_ps(root)), inverse);
 	__m512 terms = _mm512_add_ps(_mm512_abs_ps(middle), half);
 	half = _mm512_add_ps(half, _mm512_mul_ps(terms, avx512_set(LIGHT_TANGENT_GROWTH)));
+	__m512 near = avx512_set(slab->inverse_near), far = avx512_set(slab->inverse_far);
+	__m512 reach = _mm512_mul_ps(radius, avx512_set(c->length));
+	__m512 low = _mm512_sub_ps(x, reach), high = _mm512_add_ps(x, reach);
+	__m512 least = _mm512_min_ps(_mm512_mul_ps(low, near), _mm512_mul_ps(low, far));
+	__m512 most = _mm512_max_ps(_mm512_mul_ps(high, near), _mm512_mul_ps(high, far));
 	__m512 scale = avx512_set(c->scale);
-	__m512 first =
-		_mm512_add_ps(_mm512_mul_ps(_mm512_sub_ps(middle, half), scale), avx512_set(c->shift - LIGHT_COLUMN_GROWTH));
-	__m512 last =
-		_mm512_add_ps(_mm512_mul_ps(_mm512_add_ps(middle, half), scale), avx512_set(c->shift + LIGHT_COLUMN_GROWTH));
+	__m512 first = _mm512_add_ps(_mm512_mul_ps(_mm512_max_ps(_mm512_sub_ps(middle, half), least), scale),
+	                             avx512_set(c->shift - LIGHT_COLUMN_GROWTH));
+	__m512 last = _mm512_add_ps(_mm512_mul_ps(_mm512_min_ps(_mm512_add_ps(middle, half), most), scale),
+	                            avx512_set(c->shift + LIGHT_COLUMN_GROWTH));
 	row->in = _mm512_mask_cmp_ps_mask(row->in, first, end, _CMP_LT_OQ);
 	row->in = _mm512_mask_cmp_ps_mask(row->in, last, zero, _CMP_GE_OQ);
+	row->in = _mm512_mask_cmp_ps_mask(row->in, first, last, _CMP_LE_OQ);
 	__m512i from = _mm512_cvttps_epi32(_mm512_max_ps(first, zero));
 	__m512i to = _mm512_cvttps_epi32(_mm512_min_ps(last, _mm512_sub_ps(end, avx512_set(1.0f))));
 	return _mm512_or_si512(from, _mm512_slli_epi32(to, 16));
@@ -175,9 +182,10 @@ static bool avx512_span_near(const light_columns *c, float x, float w, float squ
 }
 
 /* Adds the spans of lanes of which some are near. */
-static void avx512_spans_near(const light_columns *columns, const avx512_row *row, const uint32_t *from,
-                              uint32_t *numbers, light_span *spans, uint32_t *count)
+static void avx512_spans_near(const light_slab *slab, const avx512_row *row, const uint32_t *from, uint32_t *numbers,
+                              light_span *spans, uint32_t *count)
 {
+	const light_columns *columns = slab->columns;
 	float x[LANES], w[LANES], square[LANES];
 	_mm512_storeu_ps(x, row->x);
 	_mm512_storeu_ps(w, row->w);
@@ -185,7 +193,7 @@ static void avx512_spans_near(const light_columns *columns, const avx512_row *ro
 	for (uint32_t left = row->in; left; left &= left - 1) {
 		uint32_t i = (uint32_t)__builtin_ctz(left);
 		bool far = scalar_is_far(columns, w[i], square[i]);
-		if (far ? scalar_span_far(columns, x[i], w[i], square[i], &spans[*count])
+		if (far ? scalar_span_far(slab, x[i], w[i], square[i], &spans[*count])
 		        : avx512_span_near(columns, x[i], w[i], square[i], &spans[*count]))
 			numbers[(*count)++] = from[i];
 	}
@@ -205,10 +213,10 @@ static uint32_t avx512_spans(const light_slab *slab, const light_picked *picked,
 		__mmask16 far = _mm512_mask_cmp_ps_mask(lanes.in, _mm512_mul_ps(lanes.w, lanes.w), limit, _CMP_GT_OQ);
 		far = _mm512_mask_cmp_ps_mask(far, lanes.w, _mm512_setzero_ps(), _CMP_GT_OQ);
 		if (far != lanes.in) {
-			avx512_spans_near(columns, &lanes, picked->number + i, numbers, spans, &count);
+			avx512_spans_near(slab, &lanes, picked->number + i, numbers, spans, &count);
 			continue;
 		}
-		__m512i found = avx512_tangents(columns, &lanes);
+		__m512i found = avx512_tangents(slab, &lanes);
 		_mm512_storeu_si512(spans + count, _mm512_maskz_compress_epi32(lanes.in, found));
 		_mm512_storeu_si512(numbers + count,
 		                    _mm512_maskz_compress_epi32(lanes.in, _mm512_loadu_si512(picked->number + i)));

@@ -36,6 +36,20 @@ static double reach_of(const stilb_scene_light *light, double intensity, double 
 	return end * sqrt(u);
 }
 
+/* intensity * share(d) / d^2, share being the falloff's. */
+static double irradiance_of(const stilb_scene_light *light, double intensity, double distance)
+{
+	double sent = intensity / (distance * distance);
+	if (light->falloff == STILB_SCENE_LIGHT_PHYSICAL)
+		return sent;
+	double end = light_larger((double)light->reach, REACH_MIN), u = distance / end * (distance / end);
+	if (u >= 1.0)
+		return 0.0;
+	if (light->falloff == STILB_SCENE_LIGHT_WINDOWED)
+		return sent * (1.0 - u) * (1.0 - u);
+	return sent * (light->falloff == STILB_SCENE_LIGHT_RANGED ? 1.0 - u * u : 1.0 - u);
+}
+
 /* A sphere, and a disk, which the sphere around it hides, send at most I / d^2 from their centre, whatever part of them
  * a surface sees. So does a rectangle that the sphere around it replaces, with the same radiance, hence as much more
  * intensity as the sphere's disk has area; or all of it drawn together in its nearest point. */
@@ -55,6 +69,25 @@ double light_reach(const stilb_scene_light *light, double irradiance)
 		reach = light_smaller(wider, farther);
 	}
 	return reach;
+}
+
+/* By the same two bounds. */
+double light_irradiance(const stilb_scene_light *light, double distance)
+{
+	double intensity = brightest(light);
+	if (!(intensity > 0.0))
+		return 0.0;
+	if (!(distance > REACH_MIN))
+		return (double)INFINITY;
+	double sent = irradiance_of(light, intensity, distance);
+	if (light->kind == STILB_SCENE_LIGHT_RECTANGLE) {
+		double xx = dot3(light->half_x, light->half_x), yy = dot3(light->half_y, light->half_y);
+		double nearest = distance - sqrt(xx + yy), wider = (double)SHADE_PI * (xx + yy) / (4.0 * sqrt(xx * yy));
+		sent = irradiance_of(light, intensity * light_larger(wider, 1.0), distance);
+		if (nearest > 0.0)
+			sent = light_smaller(sent, intensity / (nearest * nearest));
+	}
+	return sent;
 }
 
 /* Shortens the sphere to what of it lies in the cone, whose far end is `end` metres from the apex. */

@@ -34,6 +34,7 @@ typedef struct light_four {
 /* The cells of a view. */
 typedef struct light_view {
 	uint32_t columns, rows, slices;
+	bool perspective;
 	double clip[3][4];       /* clip x, y and w of a point (p, 1) */
 	double depth[4];         /* its depth */
 	light_four functions[4]; /* clip and depth, by their factors of p[0], p[1], p[2] and 1 */
@@ -55,6 +56,10 @@ typedef struct light_view {
 stilb_result light_view_make(light_view *view, const stilb_light_grid *grid, stilb_light_lists *lists);
 
 void light_view_finish(light_view *view);
+
+/* The most that the light sends to a surface at this distance from its centre or farther, W m^-2; INFINITY at 0. Of a
+ * light with a place. */
+double light_irradiance(const stilb_scene_light *light, double distance);
 
 /* The distance beyond which the light sends no more than `irradiance`, W m^-2, to any point, metres; 0: it does so
  * nowhere. Of a light with a place. */

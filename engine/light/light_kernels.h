@@ -7,7 +7,8 @@
  * the plane between two rows is y * inverse - w * offset, metres, positive towards the later ones; of columns alike. A
  * sphere whose centre is outside a plane is replaced by the smaller sphere around the circle in which it meets the
  * plane: that one holds all of the sphere that is inside. So a light's sphere shrinks to what of it is in a slice, then
- * to what of that is in a row, and the planes through the eye that touch this are the ends of a span of columns.
+ * to what of that is in a row, and the planes through the eye that touch this are the ends of a span of columns. These
+ * planes may touch outside of the slice: a span also ends where clip x of the sphere, over the slice's w, does.
  * Sources: Persson, Olsson, "Practical Clustered Deferred and Forward Shading" (2013); the tangents: derived here.
  */
 #ifndef LIGHT_KERNELS_H
@@ -23,8 +24,11 @@
 #define LIGHT_TANGENT_LIMIT 1.1f      /* w^2 over r^2 below which a sphere is too near to the eye for tangents */
 #define LIGHT_TANGENT_GROWTH 0x1p-17f /* of a tangent, for rounding: a share of its terms */
 #define LIGHT_COLUMN_GROWTH 1e-3f     /* of a span, for rounding: columns */
+#define LIGHT_INVERSE_MAX 1e20f       /* one over w: of a slice that begins at the eye */
 #define LIGHT_ACROSS_MIN 1e-20f       /* metres: keeps a quotient finite */
-#define LIGHT_DENSE 32u /* lights times columns of a row, over its pairs, up to which it is filled by columns */
+#define LIGHT_DENSE 32u       /* lights times columns of a row, over its pairs, up to which it is filled by columns */
+#define LIGHT_BLOCK 12u       /* columns of a row that are filled together */
+#define LIGHT_BLOCK_ROW 4096u /* most lights of a row that is filled so */
 #define LIGHT_WITH_CONE 0x80000000u /* flag of a light's number: it has a cone */
 
 /* Planes between columns or rows. */
@@ -39,6 +43,7 @@ typedef struct light_columns {
 	uint32_t count;
 	float xx, xw, ww;
 	float area;         /* xx ww - xw^2 */
+	float length;       /* root of xx: change of clip x for one metre, at most */
 	float scale, shift; /* column of n: n * scale + shift */
 } light_columns;
 
@@ -54,7 +59,10 @@ typedef struct light_slab {
 	const light_columns *columns;
 	uint32_t slice;
 	float near_z, far_z; /* depths between which it lies */
-	float along[3];      /* change of clip x, y and w for one metre along the view */
+	/* One over the least and the greatest w of its points, finite. Of an orthographic view, whose w tells nothing,
+	 * large numbers of both signs. */
+	float inverse_near, inverse_far;
+	float along[3]; /* change of clip x, y and w for one metre along the view */
 } light_slab;
 
 /* Lights, an array for each component. */
@@ -120,8 +128,10 @@ typedef struct light_kernels {
 	                  light_span *spans);
 	/* Shortens a span to the columns whose cells the cone meets; to LIGHT_SPAN_NONE if there is none. */
 	light_span (*trim)(const light_cone_row *row, light_span span);
-	/* light_fill for rows whose spans are long: column after column. May write up to ids[end - 1] what the cells that
-	 * come later will overwrite, and to numbers and spans beyond the last LIGHT_LANES - 1 elements. */
+	/* light_fill for rows with many pairs: block after block of LIGHT_BLOCK columns the lights that reach it, each with
+	 * a bit for each of its columns; of these, column after column those that have its bit. May write up to
+	 * ids[end - 1] what the cells that come later will overwrite, and to numbers and spans beyond the last
+	 * LIGHT_LANES - 1 elements. */
 	void (*fill_dense)(uint32_t *numbers, light_span *spans, uint32_t count, uint32_t *cursors, uint32_t columns,
 	                   uint32_t end, uint32_t *ids);
 } light_kernels;
@@ -130,10 +140,6 @@ extern const light_kernels light_kernels_scalar, light_kernels_avx2, light_kerne
 
 /* Appends each light to the lists of its cells: cursors are the places in ids where each column's list goes on. */
 void light_fill(const uint32_t *numbers, const light_span *spans, uint32_t count, uint32_t *cursors, uint32_t *ids);
-
-/* fill_dense without vectors that can store some of their lanes side by side. */
-void light_fill_dense(uint32_t *numbers, light_span *spans, uint32_t count, uint32_t *cursors, uint32_t columns,
-                      uint32_t end, uint32_t *ids);
 
 /* The function `trim` of AVX2, also of AVX-512: most spans are short. */
 light_span light_trim_avx2(const light_cone_row *row, light_span span);

@@ -39,7 +39,6 @@ typedef struct light_row {
 typedef struct light_band {
 	light_row rows[LIGHT_BAND_ROWS];
 	uint32_t capacity; /* of each row; they share one block of memory */
-	uint32_t longest;  /* list */
 	uint64_t id_count; /* cells of all spans */
 	uint64_t first_id; /* in the lists */
 } light_band;
@@ -51,6 +50,8 @@ struct light_scratch {
 	uint32_t band_capacity;
 	uint32_t *counters; /* [slices][rows][columns + 1] lengths of the lists */
 	size_t counter_capacity;
+	float *weak; /* of light_prune: for each light of the lists its place, and how far away it is weak */
+	uint32_t weak_capacity;
 	uint32_t light_capacity, start_capacity, id_capacity; /* of the lists' arrays */
 	const light_kernels *kernels;
 	uint32_t serial_below; /* LIGHT_SERIAL_BELOW; tests change it */
@@ -69,7 +70,8 @@ typedef struct light_build {
 	const stilb_scene_light *lights;
 	const uint32_t *candidates;
 	uint32_t count;    /* of candidates */
-	double irradiance; /* what a light may send where it is left out */
+	double irradiance; /* what a lamp without an end may send where it ends; 0: it does not */
+	double prunable;   /* what lights may send together, W m^-2, that light_prune leaves out of a cell */
 	stilb_job_pool *pool;
 	uint32_t worker;
 	atomic_bool failed; /* relaxed: no memory; read after the loop, which orders it */
@@ -84,6 +86,9 @@ stilb_result light_bands_fill(light_build *build);
 /* Calls fn for slices of 0 .. count - 1; on the pool if there is enough to do. */
 void light_spread(light_build *build, uint32_t count, stilb_job_range_fn *fn);
 
+/* Leaves weak lights out of the lists, which are written. STILB_ERROR_MEMORY. */
+stilb_result light_prune(light_build *build);
+
 void light_bands_finish(struct light_scratch *scratch);
 void light_reaching_finish(light_reaching *reaching);
 
@@ -97,6 +102,14 @@ static inline uint32_t light_bands(const light_view *view)
 static inline uint32_t light_units(const light_view *view)
 {
 	return (light_bands(view) + LIGHT_UNIT_BANDS - 1) / LIGHT_UNIT_BANDS;
+}
+
+/* light_slab.inverse_near and _far of a slice. */
+static inline void light_slab_inverses(const light_view *view, uint32_t slice, float *near, float *far)
+{
+	float least = 1.0f / view->depths.near_z[slice];
+	*near = view->perspective && least < LIGHT_INVERSE_MAX ? least : LIGHT_INVERSE_MAX;
+	*far = view->perspective ? 1.0f / view->depths.far_z[slice] : -LIGHT_INVERSE_MAX;
 }
 
 /* The first row of a band. */

@@ -134,7 +134,8 @@ static bool light_reaches(const light_build *build, const stilb_scene_light *lig
 	if (light->use == STILB_SCENE_LIGHT_BAKED)
 		return false;
 	if (light->kind != STILB_SCENE_LIGHT_DIRECTIONAL) {
-		reach = light_reach(light, build->irradiance);
+		bool endless = light->falloff == STILB_SCENE_LIGHT_PHYSICAL;
+		reach = light_reach(light, endless ? build->irradiance : 0.0);
 		if (!(reach > 0.0) || !may_reach(build, light, reach))
 			return false;
 	}

@@ -70,8 +70,8 @@ void light_fill(const uint32_t *restrict numbers, const light_span *restrict spa
 	}
 }
 
-void light_fill_dense(uint32_t *numbers, light_span *spans, uint32_t count, uint32_t *cursors, uint32_t columns,
-                      uint32_t end, uint32_t *ids)
+static void scalar_fill_dense(uint32_t *numbers, light_span *spans, uint32_t count, uint32_t *cursors, uint32_t columns,
+                              uint32_t end, uint32_t *ids)
 {
 	(void)columns;
 	(void)end;
@@ -84,5 +84,5 @@ const light_kernels light_kernels_scalar = {
 	.narrow = scalar_narrow,
 	.spans = scalar_spans,
 	.trim = scalar_trim,
-	.fill_dense = light_fill_dense,
+	.fill_dense = scalar_fill_dense,
 };

@@ -80,18 +80,22 @@ static inline bool scalar_is_far(const light_columns *columns, float w, float sq
 }
 
 /* The planes n that touch the sphere solve (x - n w)^2 = r^2 (xx - 2 xw n + ww n^2). */
-static inline bool scalar_span_far(const light_columns *columns, float x, float w, float square, light_span *span)
+static inline bool scalar_span_far(const light_slab *slab, float x, float w, float square, light_span *span)
 {
+	const light_columns *columns = slab->columns;
 	float inverse = 1.0f / (w * w - columns->ww * square);
 	float middle = (x * w - columns->xw * square) * inverse;
 	float gradient = columns->xx * (w * w) - (columns->xw + columns->xw) * (x * w) + columns->ww * (x * x);
 	float root = scalar_max(gradient - columns->area * square, 0.0f);
-	float half = sqrtf(square) * sqrtf(root) * inverse;
+	float radius = sqrtf(square), half = radius * sqrtf(root) * inverse;
 	half = half + (fabsf(middle) + half) * LIGHT_TANGENT_GROWTH;
-	float first = (middle - half) * columns->scale + (columns->shift - LIGHT_COLUMN_GROWTH);
-	float last = (middle + half) * columns->scale + (columns->shift + LIGHT_COLUMN_GROWTH);
+	float reach = radius * columns->length, low = x - reach, high = x + reach;
+	float least = scalar_min(low * slab->inverse_near, low * slab->inverse_far);
+	float most = scalar_max(high * slab->inverse_near, high * slab->inverse_far);
+	float first = scalar_max(middle - half, least) * columns->scale + (columns->shift - LIGHT_COLUMN_GROWTH);
+	float last = scalar_min(middle + half, most) * columns->scale + (columns->shift + LIGHT_COLUMN_GROWTH);
 	float end = (float)columns->count;
-	if (!(first < end && last >= 0.0f))
+	if (!(first < end && last >= 0.0f && first <= last))
 		return false;
 	span->first = (uint16_t)(int32_t)scalar_max(first, 0.0f);
 	span->last = (uint16_t)(int32_t)scalar_min(last, end - 1.0f);
@@ -111,7 +115,7 @@ static inline void scalar_span_one(const light_slab *slab, const light_picked *p
 		return;
 	float row_x = picked->x[i] + beyond * (lower ? -rows->x[row + 1] : rows->x[row]);
 	float row_w = w + beyond * (lower ? -rows->w[row + 1] : rows->w[row]);
-	if (scalar_is_far(slab->columns, row_w, left) ? scalar_span_far(slab->columns, row_x, row_w, left, &spans[*count])
+	if (scalar_is_far(slab->columns, row_w, left) ? scalar_span_far(slab, row_x, row_w, left, &spans[*count])
 	                                              : scalar_span_near(slab->columns, row_x, row_w, left, &spans[*count]))
 		numbers[(*count)++] = picked->number[i];
 }

@@ -179,6 +179,7 @@ static bool unit_find(const struct light_scratch *scratch, const light_unit *uni
 	                   .near_z = view->depths.near_z[unit->slice],
 	                   .far_z = view->depths.far_z[unit->slice],
 	                   .along = {view->along[0], view->along[1], view->along[2]}};
+	light_slab_inverses(view, unit->slice, &slab.inverse_near, &slab.inverse_far);
 	uint32_t first_row = light_band_row(view, unit->first_band), end_row = light_band_row(view, unit->end_band);
 	light_picked picked;
 	picked.count = 0;
@@ -204,7 +205,6 @@ static void row_count(light_band *band, const light_row *row, uint32_t columns, 
 		length += counters[c];
 		counters[c] = length;
 		band->id_count += length;
-		band->longest = length > band->longest ? length : band->longest;
 	}
 }
 
@@ -228,7 +228,6 @@ static void light_job_units(uint32_t begin, uint32_t end, uint32_t worker, void 
 			light_band *band = &unit.bands[b];
 			uint32_t first = light_band_row(view, b), last = light_band_row(view, b + 1);
 			band->id_count = 0;
-			band->longest = 0;
 			for (uint32_t r = first; r < last; r++)
 				row_count(band, &band->rows[r - first], view->columns, light_counters(scratch, unit.slice, r));
 		}

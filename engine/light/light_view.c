@@ -60,7 +60,7 @@ static bool view_space(light_view *view, const stilb_mat4 *matrix)
 	double *x = view->clip[0], *y = view->clip[1], *w = view->clip[2];
 	matrix_row(matrix, 3, w);
 	double scale = sqrt(dot(w, w)), far_w = w[3];
-	bool perspective = scale > PERSPECTIVE_MIN;
+	bool perspective = view->perspective = scale > PERSPECTIVE_MIN;
 	if (!perspective) { /* depth 1 of clip space is near */
 		scale = -sqrt(dot(z, z));
 		if (!(far_w > 0.0) || scale >= 0.0)
@@ -159,6 +159,7 @@ static void view_tangents(light_view *view, const stilb_light_grid *grid)
 	light_columns *columns = &view->column_planes;
 	columns->count = view->columns;
 	columns->xx = (float)xx;
+	columns->length = (float)(sqrt(xx) * (1.0 + LIGHT_RELATIVE));
 	columns->xw = (float)xw;
 	columns->ww = (float)ww;
 	columns->area = (float)(xx * ww - xw * xw);

@@ -29,12 +29,17 @@ const char *const stilb_render_show_words[] = {
 		NULL};
 
 #define RENDER_NAME(id, name, words) #name,
+#define RENDER_NAME_TEXT(id, name, words) name,
 #define RENDER_WORDS(id, name, words) words,
-const char *const stilb_render_lighting_names[] = {STILB_RENDER_LIGHTINGS(RENDER_NAME) NULL};
+const char *const stilb_render_lighting_names[] = {STILB_RENDER_LIGHTINGS(RENDER_NAME_TEXT) NULL};
 const char *const stilb_render_lighting_words[] = {STILB_RENDER_LIGHTINGS(RENDER_WORDS) NULL};
+const char *const stilb_render_light_lists_names[] = {STILB_RENDER_LIGHT_LISTS(RENDER_NAME) NULL};
 const char *const stilb_render_coverage_names[] = {STILB_RENDER_COVERAGES(RENDER_NAME) NULL};
 const char *const stilb_render_gbuffer_names[] = {STILB_RENDER_GBUFFERS(RENDER_NAME) NULL};
+const char *const stilb_render_ambient_names[] = {STILB_RENDER_AMBIENTS(RENDER_NAME_TEXT) NULL};
+const char *const stilb_render_ambient_words[] = {STILB_RENDER_AMBIENTS(RENDER_WORDS) NULL};
 #undef RENDER_NAME
+#undef RENDER_NAME_TEXT
 #undef RENDER_WORDS
 
 const char *const stilb_render_detail_names[] = {[STILB_RENDER_DETAIL_OFF] = "off",
@@ -124,6 +129,7 @@ void stilb_render_destroy(stilb_render *render)
 		free(render->passes[p].runs);
 		free(render->passes[p].history);
 		free(render->passes[p].impostors);
+		render_combined_pass_finish(&render->passes[p].combined);
 	}
 	render_scene_finish(&render->scene);
 	render_panorama_finish(&render->panorama);
@@ -131,6 +137,7 @@ void stilb_render_destroy(stilb_render *render)
 	free(render->sort_items);
 	render_order_finish(&render->order);
 	stilb_light_lists_finish(&render->lists);
+	render_combined_finish(&render->combined);
 	free(render);
 }
 

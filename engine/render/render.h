@@ -346,6 +346,16 @@ typedef struct stilb_render_detail {
  *   LEVELS  each level of detail in a colour of its own, lit from the viewer: white the mesh in full, then red, orange,
  *           yellow, green, blue, violet and red again; grey what has no levels. Clusters have the colour of how often
  *           their place has been made coarser. There are no transitions.
+ *   LIGHTS  how many lights a pixel has asked, by the view's way of lighting and as often as it was shaded: what is
+ *           hidden later counts, too. Black none, then a colour for 1, 2, 4, ... 64, white 128 or more. The image
+ *           "color" has the number in its first channel, in the second how often the pixel was lit, both exact up to
+ *           2,048 and at most 65,504 (stilb_render_count_lights). No backdrop, and exposure, tone and dither are not
+ *           read.
+ *   ERROR   how far light is from that of the target STILB_RENDER_IMAGE_REFERENCE, which another view of the frame
+ *           draws in the same size: of the three channels the one that is off most, exposed, in linear light. Black
+ *           none, then a colour for 1/16, 1/8, ... 4 times 1/255 of display white, white 8 or more. Tone and dither are
+ *           not read. For the view of the main images alone. The image "error" has the difference of radiance by
+ *           channel (stilb_render_measure_error).
  *   BASE, ... OVERDRAW
  *           the channels of scene_channel.h: no light, no backdrop, and exposure, tone and dither are not read. Levels
  *           and impostors are drawn as usual; an impostor has base colour, normal and roughness alone. WIREFRAME: lines
@@ -354,6 +364,8 @@ typedef struct stilb_render_detail {
 #define STILB_RENDER_SHOWN(X)                                                                                          \
 	X(SHADED, shaded, "surfaces in their light")                                                                       \
 	X(LEVELS, lod, "levels of detail, each in a colour")                                                               \
+	X(LIGHTS, lights, "how many lights each pixel asked, as a colour")                                                 \
+	X(ERROR, error, "how far light is from that of forward lighting, as a colour")                                     \
 	STILB_SCENE_CHANNELS_OF_SURFACES(X)
 
 #define STILB_RENDER_SHOW_ENUM(id, ...) STILB_RENDER_SHOW_##id,
@@ -367,6 +379,27 @@ static inline bool stilb_render_show_channel(stilb_render_show show, stilb_scene
 	return (int)show >= STILB_RENDER_SHOW_BASE;
 }
 
+/* What a frame that shows LIGHTS has counted, over all pixels of its image. */
+typedef struct stilb_render_light_counts {
+	uint64_t pixels, shown; /* of the image; those of them that were lit at least once */
+	uint64_t cut;           /* those that asked more lights than half floats hold, which count as 65,504 */
+	double lights;          /* that were asked */
+	double shadings;        /* how often pixels were lit; divided by `shown` it is the overdraw */
+} stilb_render_light_counts;
+
+/* texels: of that frame's image "color", [count][4] half floats. [any-thread] */
+stilb_render_light_counts stilb_render_count_lights(const uint16_t (*texels)[4], uint64_t count);
+
+/* How far a frame that shows ERROR is from its reference, exposed: 1 is display white. */
+typedef struct stilb_render_error {
+	uint64_t pixels;  /* of the image; 0: not known */
+	double rms, most; /* of all channels of all pixels; of the channel that is off most */
+	double share;     /* of the pixels that are off by more than 1/255 */
+} stilb_render_error;
+
+/* texels: of that frame's image "error", [count][4] half floats; exposure: of its view. [any-thread] */
+stilb_render_error stilb_render_measure_error(const uint16_t (*texels)[4], uint64_t count, float exposure);
+
 /* Their identifiers, NULL-terminated; the index is the stilb_render_show. */
 extern const char *const stilb_render_show_names[];
 /* And their words for users. */
@@ -375,20 +408,40 @@ extern const char *const stilb_render_show_words[];
 /* The identifiers of stilb_render_detail_mode, NULL-terminated. */
 extern const char *const stilb_render_detail_names[];
 
-/* How a pixel finds the lights that reach it; all ways show the same picture. Lights that end somewhere are those whose
- * falloff is not PHYSICAL, but for DIRECTIONAL ones.
+/* How a pixel finds the lights that reach it; all ways but PREPASS, PRELIGHT and COMBINED show the same picture.
+ * Lights that end somewhere are those whose falloff is not PHYSICAL, but for DIRECTIONAL ones.
  *   MULTIPASS surfaces that blend, those with layers, and those with a function of the program's are drawn once, as
  *             FORWARD draws them. Where two surfaces lie in the very same place, both get the further lights. Source:
  *             Schueler, "Minimalist Cook-Torrance" (2011): up to eight lights a pass.
- *   DEFERRED  for pictures of one sample a pixel, and the first pass into a target; else as AUTO. What the images of
- *             surfaces cannot hold is drawn after them as AUTO draws it: surfaces that blend, those with layers, and
- *             those with a function of the program's. */
+ *   COMBINED  does not show the same where more than four lights reach a model: the four that send the most to its
+ *             centre stay as they are, the others light its diffuse reflectance by the normal alone, as nine
+ *             coefficients of spherical harmonics. A light moves between the two within sixteen frames. Passes must be
+ *             recorded with the view (stilb_render_record_views); what is drawn by hand, and dumps, ask every light.
+ *             Source: Karis, "Deferred rendering 2" (2009).
+ * The other ways are for pictures of one sample a pixel, and the first pass into a target; else
+ * they are as AUTO. What they cannot hold is drawn after the rest, with lists of cells: surfaces that blend, those with
+ * layers, and those with a function of the program's.
+ *   TILED_... the lists of tiles, of 16 x 16 pixels, hold lights that may reach what the tile shows: between its
+ *             nearest and farthest depth, in the box of its points, deferred also before the cone of its normals.
+ *   INDEXED   a pixel has places of up to eight lights; where more reach it, it asks its cell's list.
+ *   PREPASS   highlights have no colour, no Fresnel's term, and the roughness STILB_RENDER_PREPASS_ROUGHNESS, of
+ *             Phong's model: alpha of the one image has them. Source: Engel, "Light Pre-Pass Renderer" (2008).
+ *   PRELIGHT  highlights have their material's roughness; Fresnel's term is taken at the viewer's angle, after all
+ *             lights are summed, and nothing is brushed. Source: Naughty Dog's pre-lighting, as Karis tells it in
+ *             "Deferred rendering 2" (2009). */
 #define STILB_RENDER_LIGHTINGS(X)                                                                                      \
-	X(AUTO, auto, "clustered if more than eight lights end somewhere, else forward")                                   \
-	X(FORWARD, forward, "each pixel asks every light of the scene")                                                    \
-	X(MULTIPASS, multipass, "surfaces are drawn again for every eight lights of the scene, and added")                 \
-	X(CLUSTERED, clustered, "the view is cut into cells, and a pixel asks the lights that reach its cell")             \
-	X(DEFERRED, deferred, "surfaces are drawn first, and lights ask the pixels that show them")
+	X(AUTO, "auto", "clustered if more than eight lights end somewhere, else forward")                                 \
+	X(FORWARD, "forward", "each pixel asks every light of the scene")                                                  \
+	X(MULTIPASS, "multipass", "surfaces are drawn again for every eight lights of the scene, and added")               \
+	X(CLUSTERED, "clustered", "the view is cut into cells, and a pixel asks the lights that reach its cell")           \
+	X(DEFERRED, "deferred", "surfaces are drawn first, and lights ask the pixels that show them")                      \
+	X(TILED_DEFERRED, "tiled-deferred", "likewise, and a tile asks the lights that reach what it shows")               \
+	X(TILED_FORWARD, "tiled-forward",                                                                                  \
+	  "depth is drawn first; surfaces ask the lights that reach what their tile shows")                                \
+	X(INDEXED, "indexed", "depth is drawn first, and each pixel gets the numbers of its lights")                       \
+	X(PREPASS, "prepass", "depth and normals first, lights add to an image, surfaces are drawn again with it")         \
+	X(PRELIGHT, "prelight", "likewise with roughness, an image of scattered light and one of highlights")              \
+	X(COMBINED, "combined", "each model has four lights of its own, and the others as one sum")
 
 #define STILB_RENDER_LIGHTING_ENUM(id, ...) STILB_RENDER_LIGHTING_##id,
 typedef enum stilb_render_lighting {
@@ -401,16 +454,24 @@ extern const char *const stilb_render_lighting_names[];
 /* And their words for users. */
 extern const char *const stilb_render_lighting_words[];
 
+/* True if the way is for pictures of one sample a pixel. [any-thread] */
+bool stilb_render_lighting_is_of_one_sample(stilb_render_lighting way);
+
+#define STILB_RENDER_PREPASS_ROUGHNESS 0.4f
+
 #define STILB_RENDER_LIGHTS_A_PASS                                                                                     \
 	8u /* of MULTIPASS; more where a view would need more than half of the 2,048 passes left to a frame's views */
 
-/* Which pixels a light of deferred lighting asks. RECTANGLES takes a pass for each light: where a view's would be more
- * than half of the 2,048 that are left to a frame's views, the lights behind are asked by every pixel; and a frame is
- * planned anew as lights or the camera move. */
+/* Which pixels a light of DEFERRED, PREPASS and PRELIGHT asks. RECTANGLES takes a pass for each light: where a view's
+ * would be more than half of the 2,048 that are left to a frame's views, the lights behind are asked by every pixel;
+ * and a frame is planned anew as lights or the camera move. VOLUMES takes one pass, in which the stencil marks the
+ * pixels whose surface lies inside the light's body; on GPUs without depthClamp it is RECTANGLES. Both round to half
+ * floats with each light: of 100,000 weak ones a twelfth is lost. */
 #define STILB_RENDER_COVERAGES(X)                                                                                      \
 	X(CELLS, cells, "a pixel is written once, with the lights that reach its cell of the view")                        \
 	X(SCREEN, screen, "a pixel is written once, with all lights")                                                      \
-	X(RECTANGLES, rectangles, "each light is added within the rectangle that holds its reach")
+	X(RECTANGLES, rectangles, "each light is added within the rectangle that holds its reach")                         \
+	X(VOLUMES, volumes, "each light is added where what is seen lies in a body around its reach")
 
 #define STILB_RENDER_COVERAGE_ENUM(id, ...) STILB_RENDER_COVERAGE_##id,
 typedef enum stilb_render_coverage {
@@ -418,7 +479,7 @@ typedef enum stilb_render_coverage {
 } stilb_render_coverage;
 #undef STILB_RENDER_COVERAGE_ENUM
 
-/* What deferred lighting keeps of surfaces. */
+/* What DEFERRED and TILED_DEFERRED keep of surfaces. */
 #define STILB_RENDER_GBUFFERS(X)                                                                                       \
 	X(WIDE, wide, "24 bytes a pixel: 16 bits a number, and depth")                                                     \
 	X(RGBA8, rgba8, "12 bytes a pixel: 8 bits a number, depth in 16, the normal as x and y across the pixel's ray")
@@ -434,9 +495,66 @@ typedef struct stilb_render_deferred {
 	stilb_render_gbuffer gbuffer;
 } stilb_render_deferred;
 
+/* Who makes the lists of the lights that reach a view's cells. Of COMPUTE the first frame's are by jobs, as it is not
+ * known how long they are; where a later frame's are longer than there is room for, pixels without a list ask all
+ * lights of the view, for the sake of the same picture, until two frames later. The lists are the same, but for what a
+ * device may round otherwise, which sends nothing. With a light_tolerance, which jobs alone keep, they are by jobs.
+ * Jobs also make lists that might have 2^32 pairs of light and cell, and on software devices those of so many lights
+ * that the loops of compute would be cut short there. */
+#define STILB_RENDER_LIGHT_LISTS(X)                                                                                    \
+	X(JOBS, jobs, "on the CPU")                                                                                        \
+	X(COMPUTE, compute, "on the device")
+
+#define STILB_RENDER_LIGHT_LISTS_ENUM(id, ...) STILB_RENDER_LIGHT_LISTS_##id,
+typedef enum stilb_render_light_lists {
+	STILB_RENDER_LIGHT_LISTS(STILB_RENDER_LIGHT_LISTS_ENUM) STILB_RENDER_LIGHT_LISTS_WAYS
+} stilb_render_light_lists;
+#undef STILB_RENDER_LIGHT_LISTS_ENUM
+
 /* Identifiers of these, NULL-terminated; the index is the enumeration's. */
+extern const char *const stilb_render_light_lists_names[];
 extern const char *const stilb_render_coverage_names[];
 extern const char *const stilb_render_gbuffer_names[];
+
+/* What lights surfaces in place of the surroundings. A frame is emitted light + the sum over the lights + the
+ * surroundings' light x diffuse reflectance + what highlights mirror of them; a kind says what the surroundings are
+ * taken for in the last two, so that what a metal mirrors is as bright as what lights it. A panorama's small bright
+ * lamps, as a sun, are among the lights, and not among what is approximated, but with NONE. Backdrops show the
+ * surroundings themselves.
+ *   ENVIRONMENT of a panorama a table of its irradiance and a prefiltered cube; of sky and ground the exact irradiance,
+ *               and they are mirrored if stilb_scene_surroundings.glossy. The other kinds always mirror.
+ *   NONE        no light at all. What rough glass blurs of the surroundings is black, too.
+ *   CONSTANT    their mean radiance, from everywhere. A highlight mirrors it, too: a metal, which has no diffuse
+ *               reflectance, would be black otherwise.
+ *   HEMISPHERE  two colours, above and below the horizon: sky and ground, of a panorama the means of its halves. They
+ *               are mirrored (shade_hemisphere_radiance): a metal whose map of diffuse reflectance is black shows them.
+ *               Source: Schueler, "Blinn-Phong Normalization: A paradigm shift for texturing" (2011).
+ *   SH_VERTEX   nine spherical harmonics of their radiance (shading/shade_sh.h), the irradiance summed for each vertex
+ *               in each frame and interpolated: without maps of normals. Impostors and surfaces with a function of the
+ *               program's have it by pixel. Source: maxest, "Spherical Harmonic Lighting - Analytical Lights" (2015).
+ *   SH_PIXEL    the same sum for each pixel and its mapped normal. Of sky and ground it is exact.
+ * Both SH mirror the harmonics, each band as a Phong lobe of the material's exponent leaves it (shade_sh_lobe):
+ * blurred, since three bands hold nothing narrow. Where light is so narrow that its irradiance would be negative
+ * somewhere, the harmonics are blurred just enough (shade_sh_window), for highlights until radiance is not negative
+ * either. */
+#define STILB_RENDER_AMBIENTS(X)                                                                                       \
+	X(ENVIRONMENT, "environment", "the surroundings as they are")                                                      \
+	X(NONE, "none", "surroundings light nothing")                                                                      \
+	X(CONSTANT, "constant", "the surroundings' mean from everywhere")                                                  \
+	X(HEMISPHERE, "hemisphere", "two colours, above and below the horizon")                                            \
+	X(SH_VERTEX, "sh-vertex", "nine spherical harmonics, summed for each vertex")                                      \
+	X(SH_PIXEL, "sh-pixel", "nine spherical harmonics, summed for each pixel")
+
+#define STILB_RENDER_AMBIENT_ENUM(id, ...) STILB_RENDER_AMBIENT_##id,
+typedef enum stilb_render_ambient {
+	STILB_RENDER_AMBIENTS(STILB_RENDER_AMBIENT_ENUM) STILB_RENDER_AMBIENT_KINDS
+} stilb_render_ambient;
+#undef STILB_RENDER_AMBIENT_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_render_ambient. */
+extern const char *const stilb_render_ambient_names[];
+/* And their words for users. */
+extern const char *const stilb_render_ambient_words[];
 
 /* What scene passes draw into, in place of the picture's own images: for a second camera, or for what a light sees. Its
  * images are the frame's, in its plan, where features find them by name. Passes whose views point to the same target
@@ -458,7 +576,52 @@ typedef struct stilb_render_target {
 	                           mapped, filtered if its size is another one; width 0: none. Later targets lie over
 	                           earlier ones. What no target covers is black */
 	uint8_t border;         /* pixels at the edges of its place that are black */
+	uint16_t layers;        /* of DEPTH, 0..256: its image is an array of so many; 0: it is none */
+	/* Of DEPTH: what views have drawn stays for the next frames, in the rectangles that no view fills. Undefined in the
+	 * first frame, and after one without it, of another size, or that failed. One target of a frame. */
+	bool lasting;
 } stilb_render_target;
+
+/* ---- shadows ---- */
+
+/* A map: depth as a light sees it, which a view has drawn into a rectangle of a layer of the shadows' target. */
+typedef struct stilb_render_shadow_map {
+	stilb_mat4 view_projection; /* the view's */
+	uint16_t layer;             /* and its layer and area */
+	uint16_t area[4];
+	/* Texels at the map's sides, inside of the filter's, along which it gives way to the light's next map, the last one
+	 * to light, and half as many before `far`; 0: what lies beyond the map is in light. Of directional lights alone. */
+	float blend;
+	float far; /* of these: metres from the camera where it ends; 0: nowhere */
+} stilb_render_shadow_map;
+
+/* The maps of a light, first_map .. first_map + map_count - 1; 0: nothing keeps it from surfaces. A directional light
+ * asks them in turn. Others have one, outside of which they shine freely, or six: of the sides of a cube around the
+ * light, +X -X +Y -Y +Z -Z, whose views see a little more than 90 degrees, so that the filter finds what it needs. Maps
+ * of directional lights are whole layers. */
+typedef struct stilb_render_shadow {
+	uint32_t first_map, map_count;
+	float faded; /* 0..1: the share of its shadow that is in light all the same; of a directional light 0 */
+} stilb_render_shadow;
+
+/* What keeps lights from surfaces. The passes that draw the maps come before those that read them. Maps are filtered
+ * about the point, by the cosine: weights 1 + cos(pi d / filter) of texels at the distance d along a row and along a
+ * column, which add up to the same everywhere. Each texel is compared with the plane through the point across its
+ * normal, which the map's own slope and depth's rounding move away from the light (stilb_render_view.shadow). Sources:
+ * Isidoro, "Shadow Mapping: GPU-based Tips and Techniques" (2006), for the plane; Karis, "Uncharted 2" (2010), for
+ * filters of many samples. */
+#define STILB_RENDER_MAX_SHADOW_FILTER 3u
+typedef struct stilb_render_shadows {
+	const stilb_render_target *target; /* of kind DEPTH, with two layers or more, of equal sides; without maps NULL */
+	const stilb_render_shadow_map *maps;
+	const stilb_render_shadow *lights; /* [light_count of the view] */
+	uint32_t map_count;                /* 0..65,536; 0: lights shine freely, by the programs that are there for maps */
+	/* 1, 2, 3: half the filter's width in texels; it takes 4, 16, 36 samples. 0: there is none, one texel is asked. */
+	uint32_t filter;
+	/* By how much surfaces may be off, >= 0: levels of detail in maps, texels, and those that are seen, pixels. So much
+	 * nearer to the light a point is taken to be. */
+	float map_error, view_error;
+} stilb_render_shadows;
 
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
  * are compiled during stilb_render_replay, which then takes some milliseconds, and kept. */
@@ -466,18 +629,44 @@ typedef struct stilb_render_view {
 	const stilb_render_target *target; /* NULL: the main images, as large as the picture, which show in all of it */
 	stilb_mat4 view_projection;        /* world to clip space: depth 1 is near, 0 is far, y points down */
 	float camera_position[3];          /* world space, metres */
+	/* Of a target of kind DEPTH: the layer and the rectangle of it (left, top, width, height) that the view fills, and
+	 * leaves the rest of the layer; all 0: all of it. The first pass into a layer clears it, if the target is lasting
+	 * each its rectangle. */
+	uint16_t layer, area[4];
+	bool shadow; /* of such a target: it is a map of a light. Depth is moved away from the light by a texel's slope */
 	/* The view_projection of the frame before; its passes then also draw the image "velocity", of a target with
 	 * another name NAME " velocity" (render_images.h), of all but what blends. What has moved are the models that
 	 * the scene lists as moved, and of these the vertices that were written. In the first frame with it models, and in
 	 * the first two vertices, are taken to stand still. Costs 56 bytes a part, and 12 a vertex that moves. NULL: no
 	 * such image. Read during recording and replay. */
 	const stilb_mat4 *last;
+	bool surfaces; /* besides `last`: those passes draw "surface normal" and "id", too (render_images.h) */
+	/* The surroundings' light on what is opaque, and has neither layers nor a function of the program's, is drawn apart
+	 * from all other: "ambient" and "reflection" (render_images.h). Then it is added, which rounds to half floats three
+	 * times more; before what else there is. Of one sample a pixel alone: else they are not drawn. */
+	bool ambient_apart;
 	const stilb_scene_light
-		*lights; /* [light_count] without a mistake (stilb_scene_light_mistake); none casts a shadow;
-	                                  BAKED ones are left out. Read during stilb_render_replay. */
+		*lights; /* [light_count] without a mistake (stilb_scene_light_mistake); BAKED ones are left out. Read
+	                                  during stilb_render_replay. */
 	uint32_t light_count;
+	const stilb_render_shadows *shadows; /* what keeps these from surfaces; NULL: nothing. Likewise */
 	stilb_render_lighting lighting;
-	stilb_render_deferred deferred; /* how, if lighting is DEFERRED */
+	stilb_render_deferred deferred; /* how, for ways that have these */
+	stilb_render_light_lists light_lists;
+	/* What lights that are left out of a pixel may send, all of them together, whatever the material: a share of
+	 * display white, which is the radiance 2^-exposure W sr^-1 m^-2, in each channel; 0..1. Display codes are finer in
+	 * the dark: a step of sRGB next to black is 1/13 of 1/255. 0: nothing is left out. Above 0 lamps without end have
+	 * one, too, where lists are used: with AUTO, CLUSTERED, and DEFERRED by CELLS. With TILED_DEFERRED a tile leaves
+	 * out a light that ends if the bounds of its scattered light and of its highlight are both below the light's share;
+	 * the highlight's is low where the light lies outside of the cone of mirrored directions. Other ways leave nothing
+	 * out, also where they are as AUTO. */
+	float light_tolerance;
+	/* Pixels, >= 0: a light with an end fades out with the distance of the camera: where its reach is seen as twice so
+	 * many pixels it is whole, where as so many it is gone, smoothly in between, in all ways of lighting. 0: none */
+	float light_fade;
+	uint32_t light_fade_height; /* pixels of height at which light_fade counts; 0: those of what is drawn into */
+	float light_peak; /* stilb_render_light_peak of the scene; read if light_tolerance is above 0, and then >= 1 / pi */
+	stilb_render_ambient ambient; /* what lights in place of the surroundings */
 	/* The panorama in place of sky and ground if it has floats; read during stilb_render_replay, which makes what the
 	 * frames need of it when another one comes (some ten milliseconds on the pool): pixels that were changed in place
 	 * may go unnoticed. One panorama a frame, that of the first view with one. */
@@ -495,10 +684,17 @@ typedef struct stilb_render_view {
 	bool dither; /* what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen */
 } stilb_render_view;
 
+/* The largest BRDF times cosine that a surface of the scene may have, sr^-1, shaded like that: the bound of
+ * shade_brdf_peak for the lowest roughness, the highest reflectances and the layers of all materials. A roughness from
+ * a map or a program's function may be anything, and counts as 0: of such scenes hardly any light can be left out.
+ * 1 / pi or more. Reads all materials. [any-thread] */
+float stilb_render_light_peak(const stilb_scene *scene, const stilb_render_shading *shading);
+
 /* Compiles what passes with this view may need, with textures and without, and for the surfaces of scenes that have
  * been set or prepared, unless it is there; frames go on meanwhile, and one that needs what is being compiled waits for
- * it. Read are the lights' number, kinds and falloffs, lighting, surroundings, backdrop's kind,
- * sides, shading, detail, impostors, tone and the target's kind. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE.
+ * it. Read are the lights' number, kinds and falloffs, whether there are shadows, lighting, light_tolerance,
+ * light_fade, ambient, ambient_apart, surroundings, backdrop's kind, sides, shading, detail, impostors, tone, whether
+ * it is a shadow's, the target's kind, surfaces, and whether there is a `last`. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE.
  * [any-thread] */
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);
 
@@ -515,7 +711,7 @@ typedef struct stilb_render_pass {
 	bool sort;      /* true: draws by ascending key, equal keys as recorded; false: as recorded. Not for 2D passes */
 } stilb_render_pass;
 
-#define STILB_RENDER_MAX_PASSES 64
+#define STILB_RENDER_MAX_PASSES 256
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
@@ -549,7 +745,8 @@ stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stil
 
 /* stilb_render_record with the levels and clusters of meshes that view->detail asks for, as seen from the view, by
  * which the pass is then replayed. Clusters out of its sight are left out. Which levels were drawn last is remembered
- * for each pass number. [main-thread] */
+ * for each pass number, but for shadow maps with POP: each has what its view alone asks for, whatever was drawn before.
+ * [main-thread] */
 stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const stilb_scene *scene,
                                       const uint32_t *visible, uint32_t visible_count, const stilb_render_view *view,
                                       stilb_job_pool *pool, uint32_t worker);
@@ -620,6 +817,11 @@ typedef struct stilb_render_stats {
 	uint64_t execute_commands;  /* secondary command buffers executed */
 	uint64_t binds_asked;       /* pipeline, buffers and material of every draw: three a draw */
 	uint64_t binds_sent;        /* programs, indices, and textures or materials that went to the device */
+	uint64_t lights;            /* of all passes' views that are lit, without BAKED ones */
+	uint64_t light_faded;       /* those of them that stilb_render_view.light_fade makes darker, gone ones included */
+	uint64_t light_gone;        /* those that it leaves nothing of */
+	uint64_t light_pairs;       /* of light and cell in the lists of all passes; by compute those of a frame before */
+	uint64_t light_left_out;    /* such pairs that stilb_render_view.light_tolerance kept out of them */
 	double gpu_ms;              /* GPU time of the last frame whose time is known, ms; 0 on the null device */
 } stilb_render_stats;
 
@@ -631,10 +833,11 @@ stilb_render_stats stilb_render_stats_get(const stilb_render *render);
 uint64_t stilb_render_triangles(const stilb_render *render);
 
 /* FNV-1a 64 over the last frame's scene passes in replay order, little endian: the members of the view's
- * stilb_render_shading (32 bits each), sky and ground (3 floats each), glossy, both_sides and the number of lights (32
- * bits each), and the lights that frames show (20 floats each, render_light), those that end nowhere first; of a view
- * lit by lists only those that may reach it; then for each draw mesh id, material id
- * (32 bits each: those of the scene that was set, or of other handles their indices, counted from 0), the 16 floats of
+ * stilb_render_shading (32 bits each), sky and ground (3 floats each), glossy + 2 ambient, both_sides and the number of
+ * lights (32 bits each), and the lights that frames show (20 floats each, render_light), those that end nowhere first;
+ * of a view lit by lists only those that may reach it; without passes and lights' parts that are of shadows; then for
+ * each draw mesh id, material id (32 bits each: those of the scene that was set, or of other handles their indices,
+ * counted from 0), the 16 floats of
  * the transform (column-major) and the index count (32 bits), which tells the level; of a draw that fades or morphs
  * also how far it has come (32 bits). The same for every device, replay mode and number of workers.
  * Valid from stilb_render_replay until the next frame begins; without a replayed frame it is the hash of nothing.
@@ -647,10 +850,12 @@ uint64_t stilb_render_stream_hash(const stilb_render *render);
  * device that stilb_render_gpu gives. stilb_gpu_plan_find finds render's own images: "color", "depth", "picture". */
 
 typedef enum stilb_render_stage {
-	STILB_RENDER_STAGE_FIRST,   /* before all other passes; image: 0 */
-	STILB_RENDER_STAGE_LIGHT,   /* image: the main linear radiance, rgba16_f, one sample a pixel; then the tone map */
-	STILB_RENDER_STAGE_PICTURE, /* image: the picture after the tone map; 2D passes follow */
-	STILB_RENDER_STAGE_LAST,    /* image: the picture with everything over it */
+	STILB_RENDER_STAGE_FIRST,      /* before all other passes; image: 0 */
+	STILB_RENDER_STAGE_AMBIENT,    /* of main views with ambient_apart; image: "ambient" (render_images.h) */
+	STILB_RENDER_STAGE_REFLECTION, /* likewise "reflection"; then both are added to the main radiance */
+	STILB_RENDER_STAGE_LIGHT,      /* image: the main linear radiance, rgba16_f, a sample a pixel; then the tone map */
+	STILB_RENDER_STAGE_PICTURE,    /* image: the picture after the tone map; 2D passes follow */
+	STILB_RENDER_STAGE_LAST,       /* image: the picture with everything over it */
 	STILB_RENDER_STAGES,
 } stilb_render_stage;
 

@@ -212,6 +212,15 @@ static bool clusters_camera(const stilb_mat4 *transform, const float position[3]
 	return finite;
 }
 
+/* True if the view shows triangles from behind: what lies to the right of a camera, below and ahead of it is
+ * right-handed. */
+static bool clusters_mirrored(const stilb_mat4 *view_projection)
+{
+	const float *m = view_projection->m;
+	stilb_vec3 right = stilb_vec3_make(m[0], m[4], m[8]), down = stilb_vec3_make(m[1], m[5], m[9]);
+	return stilb_vec3_dot(stilb_vec3_cross(right, down), stilb_vec3_make(m[3], m[7], m[11])) < 0.0f;
+}
+
 render_cluster_view render_cluster_view_make(const render_detail_view *view, const stilb_render_view *seen,
                                              const stilb_mat4 *transform)
 {
@@ -235,7 +244,8 @@ render_cluster_view render_cluster_view_make(const render_detail_view *view, con
 		out.rows[row][3] -= view->position[row];
 	}
 	STILB_ASSERT(view->scale >= 0.0f && "nothing suffices for a view without levels");
-	out.backs = perspective && !seen->both_sides && clusters_camera(transform, view->position, out.camera);
+	out.backs = perspective && !seen->both_sides && !clusters_mirrored(view_projection) &&
+	            clusters_camera(transform, view->position, out.camera);
 	out.perspective = perspective ? 1.0f : 0.0f;
 	out.reach = perspective ? out.stretch / sqrtf(view->scale) : out.stretch;
 	out.near = perspective ? view->near : sqrtf(view->constant);

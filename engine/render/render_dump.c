@@ -247,7 +247,12 @@ static void upload_tables(stilb_render_dump *dump, uint32_t width, uint32_t heig
 		view->time = from->time;
 		view->lighting = (stilb_render_lighting)(from->lighting & 0xff);
 		view->deferred.coverage = (stilb_render_coverage)(from->lighting >> 8 & 0xff);
-		view->deferred.gbuffer = (stilb_render_gbuffer)(from->lighting >> 16);
+		view->deferred.gbuffer = (stilb_render_gbuffer)(from->lighting >> 16 & 0xff);
+		view->ambient = (stilb_render_ambient)(from->lighting >> 24);
+		view->light_tolerance = from->light_tolerance;
+		view->light_peak = from->light_peak;
+		view->light_fade = from->light_fade;
+		view->light_fade_height = from->light_fade_height;
 		view->target = from->target > 0 ? &dump->target_table[from->target - 1] : NULL;
 		render_dump_backdrop_get(dump, v, view);
 	}

@@ -1,5 +1,5 @@
 /*
- * The bytes of a frame dump, version 12. Inside render/.
+ * The bytes of a frame dump, version 15. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
@@ -15,7 +15,7 @@
  *   materials          64  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
  *   surfaces          760  header.surfaces       render_dump_surface, of the first material that has one, then of the
  *                                                next, ...
- *   functions         184  header.functions      render_dump_function, in the order in which surfaces name them first
+ *   functions         216  header.functions      render_dump_function, in the order in which surfaces name them first
  *   meshes             24  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
  *   levels             16  header.levels         render_dump_level, of mesh 0, then of mesh 1, ...
  *   segments            4  header.segments       number of draws of each segment; of pass 0, then of pass 1, ...
@@ -47,7 +47,7 @@
 #include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 13u
+#define RENDER_DUMP_VERSION 15u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 64u
 
@@ -79,7 +79,11 @@ typedef struct render_dump_view {
 	uint32_t tone, dither;                       /* SHADE_TONE_..., 0 or 1: those of stilb_render_view */
 	uint32_t target;                             /* 0: none, else 1 + its position in the table of targets */
 	float time;                                  /* seconds, for functions of surfaces */
-	uint32_t lighting;                           /* stilb_render_lighting, of _deferred.coverage << 8, .gbuffer << 16 */
+	uint32_t lighting;                           /* stilb_render_lighting, of _deferred.coverage << 8, .gbuffer << 16,
+	                                                stilb_render_ambient << 24 */
+	float light_tolerance, light_peak;           /* those of stilb_render_view */
+	float light_fade;                            /* likewise */
+	uint32_t light_fade_height;                  /* 1..16384, whatever the window of the replay; 0 without light_fade */
 } render_dump_view;
 
 /* The members of stilb_scene_light; a dump has no scene, so there is no face. */
@@ -196,14 +200,14 @@ static inline uint32_t render_dump_draw_level(const render_dump_draw *draw)
 	return draw->mesh >> 20 & 63u;
 }
 
-static_assert(sizeof(render_dump_header) == 152 && sizeof(render_dump_view) == 168 && sizeof(render_dump_light) == 96 &&
+static_assert(sizeof(render_dump_header) == 152 && sizeof(render_dump_view) == 184 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 88 && sizeof(render_dump_target) == 88 &&
                   sizeof(render_dump_texture) == 24 && sizeof(render_dump_material) == 64 &&
                   sizeof(render_dump_mesh) == 24 && sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 72 &&
                   sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 
-static_assert(sizeof(render_dump_surface) == 760 && sizeof(render_dump_function) == 200, "no padding");
+static_assert(sizeof(render_dump_surface) == 760 && sizeof(render_dump_function) == 216, "no padding");
 
 typedef enum render_dump_part {
 	RENDER_DUMP_HEADER,

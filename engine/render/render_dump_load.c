@@ -165,10 +165,10 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 		return load_refuse(name, "header: unknown output %u", h->output);
 	if (h->views < 1 || h->views > RENDER_DUMP_MAX_VIEWS)
 		return load_refuse(name, "header: %u views; there are 1..%u", h->views, RENDER_DUMP_MAX_VIEWS);
-	if (h->passes < 1 || h->passes > STILB_RENDER_MAX_PASSES)
-		return load_refuse(name, "header: %u passes; there are 1..%u", h->passes, STILB_RENDER_MAX_PASSES);
-	if (h->targets > STILB_RENDER_MAX_PASSES)
-		return load_refuse(name, "header: %u targets; there are 0..%u", h->targets, STILB_RENDER_MAX_PASSES);
+	if (h->passes < 1 || h->passes > RENDER_DUMP_MAX_VIEWS)
+		return load_refuse(name, "header: %u passes; there are 1..%u", h->passes, RENDER_DUMP_MAX_VIEWS);
+	if (h->targets > RENDER_DUMP_MAX_VIEWS)
+		return load_refuse(name, "header: %u targets; there are 0..%u", h->targets, RENDER_DUMP_MAX_VIEWS);
 	if (h->backdrop_bytes % 8 != 0)
 		return load_refuse(name, "header: %u bytes of backgrounds, not a multiple of 8", h->backdrop_bytes);
 	if (h->streams != render_dump_streams(&stilb_scene_vertex_streams))
@@ -184,7 +184,14 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 static bool load_lighting_is_known(uint32_t lighting)
 {
 	return (lighting & 0xff) < STILB_RENDER_LIGHTING_WAYS && (lighting >> 8 & 0xff) < STILB_RENDER_COVERAGE_WAYS &&
-	       lighting >> 16 < STILB_RENDER_GBUFFER_KINDS;
+	       (lighting >> 16 & 0xff) < STILB_RENDER_GBUFFER_KINDS && lighting >> 24 < STILB_RENDER_AMBIENT_KINDS;
+}
+
+static bool load_tolerance_is_sound(const render_dump_view *view)
+{
+	bool none = view->light_tolerance == 0.0f;
+	return view->light_tolerance >= 0.0f && view->light_tolerance <= 1.0f && isfinite(view->light_peak) &&
+	       (none || view->light_peak >= 0.318f);
 }
 
 static stilb_result load_check_views(const stilb_render_dump *dump, const char *name)
@@ -207,6 +214,14 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 		if (!isfinite(view->time) || !load_lighting_is_known(view->lighting))
 			return load_refuse(name, "view %u: its time is not finite, or way %u of lighting unknown", v,
 			                   view->lighting);
+		if (!load_tolerance_is_sound(view))
+			return load_refuse(name,
+			                   "view %u: tolerance %g of light, peak %g; at least 0, and above 0 with a peak of 1 / pi",
+			                   v, (double)view->light_tolerance, (double)view->light_peak);
+		if (!(view->light_fade >= 0.0f && isfinite(view->light_fade)) ||
+		    (view->light_fade > 0.0f) != (view->light_fade_height > 0) || view->light_fade_height > 16384)
+			return load_refuse(name, "view %u: its lights fade at %g of %u pixels of height", v,
+			                   (double)view->light_fade, view->light_fade_height);
 		lights += view->lights;
 	}
 	if (lights != dump->header->lights)

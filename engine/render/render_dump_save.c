@@ -314,8 +314,12 @@ static void save_put_views(const save_job *job)
 		out->tone = view->tone;
 		out->dither = view->dither;
 		out->time = view->time;
-		out->lighting =
-			(uint32_t)view->lighting | (uint32_t)view->deferred.coverage << 8 | (uint32_t)view->deferred.gbuffer << 16;
+		out->lighting = (uint32_t)view->lighting | (uint32_t)view->deferred.coverage << 8 |
+		                (uint32_t)view->deferred.gbuffer << 16 | (uint32_t)view->ambient << 24;
+		out->light_tolerance = view->light_tolerance;
+		out->light_peak = view->light_tolerance > 0.0f ? view->light_peak : 0.0f;
+		out->light_fade = view->light_fade;
+		out->light_fade_height = view->light_fade > 0.0f ? render_view_fade_height(job->render, view) : 0;
 		uint32_t target = view->target ? save_target(job, view->target) : job->header.targets;
 		out->target = target < job->header.targets ? 1 + target : 0;
 		save_put_shading(out, &view->shading);
@@ -646,7 +650,7 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 	STILB_ASSERT(passes && views && path && view_count >= 1 && view_count <= RENDER_DUMP_MAX_VIEWS);
 	if (render->replayed_count == 0)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: none has been replayed");
-	STILB_ASSERT(pass_count == render->replayed_count && "the passes that were replayed");
+	STILB_ASSERT(pass_count <= render->replayed_count && "passes that were replayed");
 	save_job job = {
 		.render = render,
 		.passes = passes,
@@ -668,7 +672,7 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: the last one has 2D passes alone");
 	for (uint32_t p = 0; p < job.header.passes; p++) {
 		const stilb_render_view *view = &views[passes[job.pass[p]].view];
-		if (render_view_channel(view) > 0)
+		if (render_view_is_data(view) || view->show == STILB_RENDER_SHOW_ERROR)
 			return stilb_fail(STILB_ERROR_ARGUMENT,
 			                  "cannot dump the frame: it shows '%s' in the place of light, which dumps do not hold; "
 			                  "dump one that is lit",

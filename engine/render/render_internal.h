@@ -9,6 +9,7 @@
 #include "gpu/gpu_internal.h"
 #include "light/light.h"
 #include "profiler/prof.h"
+#include "render/combined/render_combined.h"
 #include "render/device/render_device.h"
 #include "render/maps/render_functions.h"
 #include "render/render.h"
@@ -17,6 +18,7 @@
 #include "render/rows/render_rows.h"
 #include "render/textures/render_loading.h"
 
+#include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 
@@ -58,7 +60,9 @@ static inline uint32_t render_command_detail(const render_command *command)
 
 /* A light of a view as the shaders read it (shaders/mesh.glsl). */
 typedef struct render_light {
-	float position[3], kind; /* stilb_scene_light_kind + 8 * stilb_scene_light_falloff */
+	/* kind: stilb_scene_light_kind + 8 stilb_scene_light_falloff + 32 times 0, or, with shadow maps,
+	 * 2 (1 + the first one), and one more where they are those of a cube */
+	float position[3], kind;
 	float direction[3], reach;
 	float intensity[3], cos_inner;
 	float half_x[3], cos_outer;
@@ -68,25 +72,48 @@ typedef struct render_light {
 static_assert(sizeof(render_light) == 80, "std430");
 static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits below");
 
-#define RENDER_LIGHTS_END 64u         /* some have a falloff that is not physical */
-#define RENDER_LIGHTS_GLOSS 128u      /* highlights mirror sky and ground */
-#define RENDER_LIGHTS_PANORAMA 256u   /* the panorama's light in place of sky and ground */
-#define RENDER_LIGHTS_SIDES 512u      /* no light, but stilb_render_view.both_sides */
-#define RENDER_LIGHTS_ONE 1024u       /* there is exactly one */
-#define RENDER_LIGHTS_DEPTH 2048u     /* nothing is lit: depth alone is drawn. Besides it, _SIDES and _VELOCITY */
-#define RENDER_LIGHTS_VELOCITY 4096u  /* besides _DEPTH: velocities are drawn, too (shaders/velocity.glsl) */
-#define RENDER_LIGHTS_LISTS 8192u     /* lights that end somewhere are found by lists (render_lights.c) */
-#define RENDER_LIGHTS_GBUFFER 16384u  /* surfaces are drawn, and lights left to a later pass (render_deferred.c) */
-#define RENDER_LIGHTS_GBUFFER8 32768u /* besides _GBUFFER, and of the passes that light: surfaces are in 8 bits */
-#define RENDER_LIGHTS_ADDED 65536u    /* further lights are added to what has been drawn */
-/* From this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
-#define RENDER_LIGHTS_CHANNEL_SHIFT 17u
+#define RENDER_LIGHT_SHADOW 32u /* what render_light.kind has of shadows comes in these */
+
+#define RENDER_LIGHTS_END 64u            /* some have a falloff that is not physical */
+#define RENDER_LIGHTS_GLOSS 128u         /* highlights mirror sky and ground */
+#define RENDER_LIGHTS_PANORAMA 256u      /* the panorama's light in place of sky and ground */
+#define RENDER_LIGHTS_SIDES 512u         /* no light, but stilb_render_view.both_sides */
+#define RENDER_LIGHTS_ONE 1024u          /* there is exactly one */
+#define RENDER_LIGHTS_DEPTH 2048u        /* nothing is lit: depth alone is drawn. Besides it, _SIDES and _VELOCITY */
+#define RENDER_LIGHTS_VELOCITY 4096u     /* besides _DEPTH: velocities are drawn, too (shaders/velocity.glsl) */
+#define RENDER_LIGHTS_LISTS 8192u        /* lights that end somewhere are found by lists (render_lights.c) */
+#define RENDER_LIGHTS_GBUFFER 16384u     /* surfaces are drawn, and lights left to a later pass (render_deferred.c) */
+#define RENDER_LIGHTS_GBUFFER8 32768u    /* besides _GBUFFER, and of the passes that light: surfaces are in 8 bits */
+#define RENDER_LIGHTS_ADDED 65536u       /* further lights are added to what has been drawn */
+#define RENDER_LIGHTS_LAID (1u << 17)    /* surfaces are drawn where an earlier pass has drawn their depth */
+#define RENDER_LIGHTS_TILES (1u << 18)   /* besides _LISTS: they are those of tiles (render_tiles.c) */
+#define RENDER_LIGHTS_INDEXED (1u << 19) /* likewise: pixels have the places of theirs */
+/* PREPASS and PRELIGHT, with _GBUFFER8 the former. Besides _GBUFFER: of surfaces one image is drawn; _LAID: their light
+ * comes from images; else: it is added up. */
+#define RENDER_LIGHTS_APART (1u << 20)
+/* Two bits: what lights in place of sky, ground and panorama (stilb_render_ambient). */
+#define RENDER_LIGHTS_DARK (1u << 21)      /* nothing */
+#define RENDER_LIGHTS_SH_VERTEX (2u << 21) /* harmonics, summed by vertex */
+#define RENDER_LIGHTS_SH_PIXEL (3u << 21)  /* and by pixel */
+#define RENDER_LIGHTS_AMBIENT (3u << 21)   /* both bits */
+#define RENDER_LIGHTS_COMBINED (1u << 23)  /* models have lights of their own (render_combined.h) */
+#define RENDER_LIGHTS_COUNTED (1u << 24)   /* lights that are asked are counted in place of their light */
+/* Four bits from this one on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
+#define RENDER_LIGHTS_CHANNEL_SHIFT 25u
+#define RENDER_LIGHTS_CHANNEL 15u        /* so many, once shifted */
+#define RENDER_LIGHTS_SEEN (1u << 29)    /* besides _VELOCITY: normals and ids are drawn, too (velocity.glsl) */
+#define RENDER_LIGHTS_SHADOWS (1u << 30) /* maps keep some from surfaces; besides _DEPTH: such a map is drawn */
+/* What the surroundings light is drawn apart, evenly and mirrored (render_around.c). Besides it, _SIDES, and what says
+ * how they light. */
+#define RENDER_LIGHTS_AROUND (1u << 31)
 
 /* 1 + the stilb_scene_surface_channel that programs for these bits show; 0: light. */
 static inline uint32_t render_lights_channel(uint32_t bits)
 {
-	return bits >> RENDER_LIGHTS_CHANNEL_SHIFT;
+	return bits >> RENDER_LIGHTS_CHANNEL_SHIFT & RENDER_LIGHTS_CHANNEL;
 }
+
+static_assert(STILB_SCENE_CHANNELS < RENDER_LIGHTS_CHANNEL, "see RENDER_LIGHTS_CHANNEL_SHIFT");
 
 /* ---- a frame's memory -----------------------------------------------------------------------------------------------
  * Commands, rows, 2D geometry and lights lie in memory of the device, one array of each kind for a frame. Contexts
@@ -164,13 +191,15 @@ typedef struct render_pass_lists {
 	uint32_t history_capacity;
 	uint8_t *impostors; /* [impostor_capacity] by model: whether it was drawn as its impostor, see render_detail.h */
 	uint32_t impostor_capacity;
+	render_combined_pass combined;
 	/* Of the pass's view, set at replay. Lights: elements first_light .. first_light + light_count - 1. */
 	stilb_render_shading shading;
 	float sky[3], ground[3];
-	uint32_t glossy, both_sides;       /* of the surroundings and of the view */
+	uint32_t glossy, both_sides;       /* of the surroundings, + 2 ambient; of the view */
 	uint32_t first_light, light_count; /* lights without the panorama's lamps */
 	uint64_t panorama;                 /* render_panorama.key; 0: none */
 	float rotation;                    /* of the panorama */
+	bool shadow;                       /* it draws a shadow map */
 } render_pass_lists;
 
 /* Indices of clusters to draw, from the mesh's first one in the heap on. */
@@ -359,7 +388,11 @@ typedef struct render_view_lights {
 	uint32_t endless;    /* so many of them end nowhere */
 	uint32_t everywhere; /* so many of them are asked by every pixel: with lists the endless ones, else all */
 	uint32_t bits;       /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among the view's lights */
-	uint32_t lists;      /* element of RENDER_MEMORY_LIGHT_LISTS where render_light_lists lies */
+	uint32_t lists;      /* element of RENDER_MEMORY_LIGHT_LISTS where render_light_lists lies, or models' words */
+	uint32_t shadows;    /* and where the render_shadow_map lie */
+	uint32_t list_ids;   /* of all lists together; by compute the room for them */
+	uint32_t cells;      /* 1 + the pass's number: its lists are made by compute, of the stilb_light_cells at `lists` */
+	uint32_t reached;    /* and of the stilb_light_reached at this element; 0: jobs have made them */
 	uint32_t grid[2];    /* columns | rows << 16, of tiles; log2 of a tile's pixels | slices << 8 */
 } render_view_lights;
 
@@ -367,9 +400,24 @@ typedef struct render_view_lights {
  * once more where the last one ends; then the lists, of places among the lights that do not reach everywhere. */
 typedef struct render_light_lists {
 	float depth_plane[4]; /* as of stilb_light_lists */
-	float slice_scale, slice_bias, padding[2];
+	float slice_scale, slice_bias;
+	uint32_t room; /* for so many places of lights; a longer list is that of all. By jobs UINT32_MAX */
+	uint32_t all;  /* so many lights has the list of all, before the others; by jobs 0 */
 	uint32_t words[];
 } render_light_lists;
+
+/* A shadow map as shaders read it (mesh.glsl). */
+typedef struct render_shadow_map {
+	float rows[4][4];                 /* the world to x and y in texels of its layer, depth, w */
+	float area[4];                    /* left, top, right, bottom, texels; of a directional light: shadow_end */
+	float layer, blend, left, filter; /* left: how many maps its light has from this one on */
+	float map_error, view_error; /* metres at w = 1 of clip space; and at a distance of one metre from the camera */
+	float widening;              /* texels that a lamp's size widens an edge by, over the difference of depths */
+	float strength;              /* how dark a lamp's shadow is, 1: black */
+} render_shadow_map;
+
+static_assert(sizeof(render_shadow_map) == 112, "std430");
+#define RENDER_MAX_SHADOW_MAPS 65536u
 
 /* A stream: one pass as the device gets it, with its draws in their final order. */
 typedef struct render_stream {
@@ -485,6 +533,18 @@ static inline bool render_view_is_lit(const stilb_render_view *view)
 	return !render_view_is_depth(view) && render_view_channel(view) == 0;
 }
 
+/* True if lights are counted in the place of light. */
+static inline bool render_view_counts(const stilb_render_view *view)
+{
+	return view->show == STILB_RENDER_SHOW_LIGHTS && !render_view_is_depth(view);
+}
+
+/* True if there is something else in the place of radiance. */
+static inline bool render_view_is_data(const stilb_render_view *view)
+{
+	return render_view_channel(view) > 0 || render_view_counts(view);
+}
+
 /* How the picture shows the view's radiance, or what is in its place: SHADE_TONE_... or RENDER_TONE_... */
 static inline uint32_t render_view_tone(const stilb_render_view *view)
 {
@@ -492,26 +552,57 @@ static inline uint32_t render_view_tone(const stilb_render_view *view)
 	                                 [STILB_SCENE_CHANNEL_DATA] = RENDER_TONE_DATA,
 	                                 [STILB_SCENE_CHANNEL_COUNT] = RENDER_TONE_COUNT};
 	uint32_t channel = render_view_channel(view);
+	if (render_view_counts(view))
+		return RENDER_TONE_LIGHTS;
+	if (view->show == STILB_RENDER_SHOW_ERROR)
+		return RENDER_TONE_ERROR;
 	return channel == 0 ? view->tone : tones[stilb_scene_channel_kind_of((stilb_scene_surface_channel)(channel - 1))];
 }
 
 /* ---- device/render_ways.c ---- */
 
+/* What a way of lighting does with the surfaces that can be lit later. */
+typedef struct render_way {
+	bool surfaces; /* draws them into images, which passes over the picture light */
+	bool laid;     /* draws their depth first, and then what is seen of them */
+	bool apart;    /* besides laid: adds up their light between the two */
+	bool tiles;    /* makes lists of tiles between the two */
+	bool indexed;  /* or the places of each pixel's lights */
+} render_way;
+
 /* True if the ways of lighting are some of the enumerations. */
 bool render_view_lighting_is_known(const stilb_render_view *view);
-/* True if the view's first pass into its target leaves lights to a later pass. */
-bool render_view_is_deferred(const render_device *device, const stilb_render_view *view);
+/* Of the view's first pass into its target; {0}: all is drawn and lit at once. */
+render_way render_view_way(const render_device *device, const stilb_render_view *view);
+/* Which program shortens the lists of a view's way, that has lists of tiles or of pixels. */
+render_tiles render_view_tiles(const render_device *device, const stilb_render_view *view);
+/* True if a pass over the picture that lights the view's surfaces asks lights by bodies around them. */
+bool render_view_has_volumes(const render_device *device, const stilb_render_view *view);
 /* True if surfaces with these RENDER_MAPS_... can be lit later, or in several passes. */
 bool render_maps_are_plain(uint64_t bits);
-/* render_view_lights.bits of programs, of a view with light_bits: of those that draw further lights (0: it has none),
- * of those that draw surfaces without lights, and of the passes that light them. */
+/* The bits (render_view_lights.bits) of the programs of a view with light_bits that draw its surfaces again for further
+ * lights; 0: it is not lit so. */
 uint32_t render_added_bits(const stilb_render_view *view, uint32_t light_bits);
+/* The bits of programs that draw its surfaces into images. */
 uint32_t render_gbuffer_bits(const stilb_render_view *view, uint32_t light_bits);
+/* The bits of the passes over the picture that light what these images hold. */
 uint32_t render_deferred_bits(const stilb_render_view *view, uint32_t light_bits);
+/* How many images passes with such bits draw into. */
+static inline uint32_t render_deferred_colors(uint32_t deferred_bits)
+{
+	return deferred_bits & RENDER_LIGHTS_APART && !(deferred_bits & RENDER_LIGHTS_GBUFFER8) ? RENDER_APART_IMAGES : 1;
+}
+/* The bits of programs that draw its surfaces where their depth has been drawn. */
+uint32_t render_laid_bits(const stilb_render_view *view, uint32_t light_bits);
+/* True if the view's first pass into its target draws the surroundings' light on what is plain apart. */
+bool render_view_is_apart(const render_device *device, const stilb_render_view *view);
+/* The bits of programs that draw it; and as light_bits, of what draws all other light. */
+uint32_t render_around_bits(uint32_t light_bits);
+uint32_t render_unlit_around_bits(uint32_t light_bits);
 
 /* ---- device/render_deferred.c ---- */
 
-/* Adds the images of surfaces to a row that draws the target's radiance. */
+/* Adds the images of surfaces to a row: behind the target's radiance, or, of a way that is apart, alone. */
 void render_deferred_attach(render_device *device, const stilb_render_view *view, render_frame_target *target,
                             stilb_gpu_pass *row);
 /* render_view_data.far of the view. */
@@ -519,11 +610,82 @@ float render_deferred_far(const stilb_render_view *view);
 /* Adds the rows of the stream's lights. */
 stilb_result render_deferred_lights(render_device *device, const struct render_stream *stream,
                                     render_frame_target *target, const render_push *push);
+/* Adds the uses of what those rows of a way that is apart have added up, from the binding `slot` on. */
+void render_deferred_use(const render_frame_target *target, uint8_t slot, stilb_gpu_pass *row);
 
-/* ---- render_lights.c ---- */
+/* Pixels of a picture of this height that a length of 1 at a distance of 1 has. */
+static inline float render_view_pixels(const stilb_render_view *view, uint32_t height)
+{
+	const float *m = view->view_projection.m; /* its second row is the camera's up, scaled */
+	return 0.5f * (float)height * sqrtf(m[1] * m[1] + m[5] * m[5] + m[9] * m[9]);
+}
+
+/* Writes the maps of the view's lights, if any has some, to the frame's memory, before it is placed. */
+stilb_result render_shadows_place(stilb_render *render, const stilb_render_view *view, render_view_lights *lights);
+
+/* ---- device/render_shadow.c ---- */
+
+/* Adds the use of their image, or of one in its place, to a row whose uses so far are images. */
+stilb_result render_shadow_use(render_device *device, const struct render_stream *stream, stilb_gpu_pass *row);
+
+/* ---- device/render_cells.c ---- */
+
+/* Takes note of how many pairs the lists by compute had in the frame that the slot had before, before a frame's lights
+ * are placed. */
+void render_cells_read(render_device *device);
+/* Takes note of how many the pass's lists by jobs have, which is newer than what frames on the device count. */
+/* The frame does not run: what its programs would have counted is not known. */
+void render_cells_forget(render_device *device);
+void render_cells_know(render_device *device, uint32_t pass, uint32_t pairs);
+/* Room for the lists of pass `pass`; 0: it is unknown how much they need, and jobs make them. */
+uint32_t render_cells_room(render_device *device, uint32_t pass);
+/* Adds the rows that make the stream's lists, and sets frame.light_lists; to 0 if jobs have made them. */
+stilb_result render_cells_make(render_device *device, const struct render_stream *stream);
+/* Adds the use of these to a row, if there are any. slot: where the row's constants have their address. */
+void render_cells_use(const render_device *device, uint16_t slot, stilb_gpu_pass *row);
+
+/* ---- device/render_programs.c ---- */
+
+/* The program that makes what programs with _TILES or _INDEXED read, of a view with these bits that has lists;
+ * compiled. [any-thread] */
+stilb_result render_programs_tiles_of(render_device *device, const stilb_render_view *view, uint32_t light_bits,
+                                      stilb_gpu_program *program);
+
+/* ---- device/render_tiles.c ---- */
+
+/* Adds the row that makes what programs with _TILES or _INDEXED read, and its use by such a row. The view has lists. */
+stilb_result render_tiles_make(render_device *device, const struct render_stream *stream, render_frame_target *target,
+                               const render_push *push, stilb_gpu_use *use);
+
+/* ---- device/render_volumes.c ---- */
+
+/* Adds the row that adds each light of the stream that ends, where its body encloses what is seen. row: its colours,
+ * uses and constants. */
+stilb_result render_volumes_add(render_device *device, const struct render_stream *stream, render_frame_target *target,
+                                const render_formula_programs *choice, stilb_gpu_pass *row);
+
+/* ---- panorama/render_panorama_ambient.c ---- */
+
+/* What shaders read of what lights in place of the surroundings (mesh.glsl): radiance; the fourth of each is 0. */
+typedef struct render_ambient {
+	float sky[4], ground[4];
+	float harmonics[9][4]; /* of SH_VERTEX and SH_PIXEL; else 0, as the next ones */
+	float mirrored[4];     /* the share of each of their bands that highlights have at most */
+} render_ambient;
+
+/* Of a view and the panorama that it shows; NULL: its sky and ground. */
+void render_ambient_of(const stilb_render_view *view, const render_panorama *panorama, render_ambient *out);
+
+/* ---- lights/ ---- */
 
 /* render_view_lights.bits of a view that shows a panorama with so many lamps, or none. */
 uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps);
+
+/* So many of the view's lights are lamps of the panorama that it shows; NULL: it shows none. */
+static inline uint32_t render_view_lamps(const stilb_render_view *view, const render_panorama *panorama)
+{
+	return panorama && view->ambient != STILB_RENDER_AMBIENT_NONE ? panorama->lamp_count : 0;
+}
 
 /* What the frame needs of the view's panorama; NULL: it has none, or another than the frame. */
 const render_panorama *render_view_panorama(const stilb_render *render, const stilb_render_view *view);
@@ -533,10 +695,43 @@ stilb_result render_lights_place(stilb_render *render, const stilb_render_pass *
                                  const stilb_render_view *views, render_view_lights placed[STILB_RENDER_MAX_PASSES],
                                  stilb_job_pool *pool, uint32_t worker);
 
+/* So many lights a pixel of a software device asks in one pass at most, as is measured: render_lights.c. */
+#define RENDER_LIGHTS_LOOP 10922u
+
+/* How large a view's lights are seen. */
+typedef struct render_lights_fade {
+	float pixels;       /* below which lights are gone; 0: none fades */
+	float scale, apart; /* pixels of a metre: scale, divided by the distance where apart is 1 */
+	const float *eye;
+} render_lights_fade;
+
+render_lights_fade render_lights_fade_of(const stilb_render *render, const stilb_render_view *view);
+/* What distance leaves of a light, [0, 1]. */
+float render_light_left(const render_lights_fade *fade, const stilb_scene_light *light);
+/* The size of what the view draws into, pixels. */
+void render_view_size(const stilb_render *render, const stilb_render_view *view, uint32_t *width, uint32_t *height);
+/* Pixels of height at which the view's lights fade. */
+uint32_t render_view_fade_height(const stilb_render *render, const stilb_render_view *view);
+
+/* True if the light sends nothing beyond its reach. */
+static inline bool render_light_ends(const stilb_scene_light *light)
+{
+	return light->kind != STILB_SCENE_LIGHT_DIRECTIONAL && light->falloff != STILB_SCENE_LIGHT_PHYSICAL;
+}
+
+/* ---- combined/render_combined.c ---- */
+
+/* Chooses the lights of the pass's models among those of the view, which lie in the frame's memory as `lights` says,
+ * and writes them there, before it is placed; sets lights->lists. STILB_ERROR_MEMORY. [main-thread] */
+stilb_result render_combined_place(stilb_render *render, const stilb_render_view *view, const render_panorama *panorama,
+                                   render_combined_pass *pass, render_view_lights *lights, stilb_job_pool *pool,
+                                   uint32_t worker);
+
 /* As render_light_bits, of what draws the view's velocities. */
 static inline uint32_t render_velocity_bits(const stilb_render_view *view)
 {
-	return RENDER_LIGHTS_DEPTH | RENDER_LIGHTS_VELOCITY | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
+	return RENDER_LIGHTS_DEPTH | RENDER_LIGHTS_VELOCITY | (view->surfaces ? RENDER_LIGHTS_SEEN : 0) |
+	       (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
 }
 
 /* A draw that blends. */
@@ -592,6 +787,8 @@ struct stilb_render {
 	render_rows *replaced_rows; /* tables of scenes before, which frames in flight may use */
 	render_panorama panorama;   /* of the last frame that showed one */
 	stilb_light_lists lists;    /* scratch memory of render_lights_place */
+	bool told_loop;             /* that the device cannot ask all lights of a pixel */
+	render_combined combined;   /* likewise */
 	render_memory memory[RENDER_MEMORY_KINDS];
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */

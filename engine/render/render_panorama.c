@@ -16,6 +16,7 @@
 #define SUM_COST 20000.0   /* of a row of sums */
 #define TABLE_COST 40000.0 /* of a row of the table */
 #define LAMPS_COST 1000000.0
+#define AMBIENT_COST 900000.0
 #define FIND_COST 500000.0 /* of looking for the gloss on disk */
 
 bool render_panorama_is_good(const stilb_image *panorama)
@@ -31,13 +32,6 @@ uint64_t render_panorama_key(const stilb_image *panorama)
 	for (uint64_t i = 0; i < texels; i += step)
 		hash = stilb_hash_fnv1a64(hash, (const float *)panorama->pixels + i * panorama->channels, sizeof(float[3]));
 	return hash | 1;
-}
-
-void render_panorama_turn(const float own[3], float rotation, float world[3])
-{
-	float s = sinf(rotation), c = cosf(rotation);
-	float turned[3] = {c * own[0] + s * own[2], own[1], c * own[2] - s * own[0]};
-	memcpy(world, turned, sizeof turned);
 }
 
 /* ---- cells ------------------------------------------------------------------------------------------------------- */
@@ -160,6 +154,12 @@ static void stage_shrink(uint32_t begin, uint32_t end, uint32_t worker, void *co
 		shrink_row(context, row);
 }
 
+static void stage_ambient(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	(void)begin, (void)end, (void)worker;
+	render_panorama_find_ambient(context);
+}
+
 static void stage_lamps(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	(void)begin, (void)end, (void)worker;
@@ -192,7 +192,7 @@ typedef struct panorama_stage {
 	double cost;
 } panorama_stage;
 
-#define LIGHT_STAGES 6u
+#define LIGHT_STAGES 7u
 #define STAGES (LIGHT_STAGES + PANORAMA_GLOSS_STAGES)
 
 static void stage_gloss(uint32_t begin, uint32_t end, uint32_t worker, void *context)
@@ -209,6 +209,7 @@ static panorama_stage stage_of(const render_panorama_work *work, uint32_t stage)
 		{stage_read, PANORAMA_DOWN, 1, texels / PANORAMA_DOWN},
 		{stage_shrink, work->height, 8, (texels + (double)work->width * work->height) / work->height},
 		{stage_lamps, 1, 1, LAMPS_COST},
+		{stage_ambient, 1, 1, AMBIENT_COST},
 		{stage_sum, PANORAMA_DOWN, 16, SUM_COST},
 		{stage_fill, RENDER_PANORAMA_ROWS, 8, TABLE_COST},
 		{stage_find, 1, 1, FIND_COST},
@@ -317,6 +318,7 @@ static stilb_result panorama_take(render_panorama *out, render_panorama_memory m
 	out->height = work->height;
 	out->lamp_count = work->lamp_count;
 	memcpy(out->lamps, work->lamps, sizeof out->lamps);
+	out->around = work->around;
 	panorama_give_up(out);
 	return STILB_OK;
 }

@@ -13,6 +13,10 @@
  *            included, interpolated between four. The light of a cell is spread evenly over its width; a row of cells
  *            shines from the row's mean sine and cosine, so that rows which the horizon does not cut are exact.
  *            Programs with highlights read it as an image, others by its address.
+ * Ambient.   What approximations of the rest take (stilb_render_ambient): the mean radiance above and below the
+ *            horizon, and nine spherical harmonics, a cell's light as if it shone from the cell's middle (off by 1e-5).
+ *            Where their irradiance is negative in one of 2,048 directions they are blurred just enough
+ *            (shade_sh_window); highlights have them blurred further, until radiance is nowhere negative, too.
  * Texels.    Three half floats, each the mean of what it covers where there are more than 2048 x 1024; values above
  *            65504 are that.
  * Gloss.     A cube for highlights (numeric_prefilter.h), made of the cells: like the table it lacks the lamps, whose
@@ -30,6 +34,9 @@
 
 #include "image/image.h"
 #include "jobs/job.h"
+#include "shading/shade_sh.h"
+
+#include <math.h>
 
 #define RENDER_PANORAMA_LAMPS 8
 #define RENDER_PANORAMA_COLUMNS 256 /* of the table; shaders/mesh.frag has both, too */
@@ -63,6 +70,13 @@ typedef struct render_panorama_gloss {
 	uint32_t width, height;
 } render_panorama_gloss;
 
+/* Radiance without the lamps, in the panorama's own axes. */
+typedef struct render_panorama_around {
+	float sky[3], ground[3]; /* its halves' means */
+	shade_sh_rgb harmonics;  /* blurred until irradiance is not negative */
+	float mirrored[3];       /* what is left of their bands when radiance is not */
+} render_panorama_around;
+
 typedef struct render_panorama_work render_panorama_work; /* of one that is being made */
 
 typedef struct render_panorama {
@@ -70,6 +84,7 @@ typedef struct render_panorama {
 	const void *pixels; /* where it lay; NULL: it is made anew, but in use until then */
 	uint32_t lamp_count;
 	render_panorama_lamp lamps[RENDER_PANORAMA_LAMPS];
+	render_panorama_around around;
 	uint32_t width, height;                  /* of the texels */
 	uint16_t (*dfg)[RENDER_PANORAMA_DFG][2]; /* [DFG] the table of gloss; NULL: none so far */
 	bool dfg_shown;
@@ -110,7 +125,13 @@ void render_panorama_leave(render_panorama *panorama);
 bool render_panorama_shows(const render_panorama *panorama, const stilb_image *map);
 
 /* A direction of the panorama's own axes in the world, turned by rotation (stilb_scene_surroundings). */
-void render_panorama_turn(const float own[3], float rotation, float world[3]);
+static inline void render_panorama_turn(const float own[3], float rotation, float world[3])
+{
+	float s = sinf(rotation), c = cosf(rotation), x = own[0], z = own[2];
+	world[0] = c * x + s * z;
+	world[1] = own[1];
+	world[2] = c * z - s * x;
+}
 
 /* Frees what belongs to it and leaves {0}. */
 void render_panorama_finish(render_panorama *panorama);

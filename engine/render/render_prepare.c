@@ -204,10 +204,11 @@ stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_
 	STILB_ASSERT(render && view && render_view_lighting_is_known(view));
 	PROFILE("prepare a view");
 	bool panorama = view->surroundings.panorama.pixels;
+	bool lamps_light = panorama && view->ambient != STILB_RENDER_AMBIENT_NONE;
 	uint32_t made[PREPARE_LAMPS];
 	render_known_maps maps;
 	stilb_result result = prepare_known_maps(&render->resources, &maps);
-	for (uint32_t lamps = 0; lamps < (panorama ? PREPARE_LAMPS : 1u) && result == STILB_OK; lamps++) {
+	for (uint32_t lamps = 0; lamps < (lamps_light ? PREPARE_LAMPS : 1u) && result == STILB_OK; lamps++) {
 		made[lamps] = render_light_bits(view, panorama, lamps);
 		bool known = false;
 		for (uint32_t i = 0; i < lamps; i++)

@@ -79,6 +79,7 @@ void render_passes_rewind(stilb_render *render)
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++) {
 		render->passes[p].state = RENDER_LIST_EMPTY;
 		render->passes[p].segment_count = render->passes[p].run_count = 0;
+		render->passes[p].combined.model_count = 0;
 	}
 	render->replayed_count = 0;
 }
@@ -321,7 +322,7 @@ static inline void record_write(stilb_render_context *context, record_what what,
 /* The same with a row of the frame. */
 static inline void record_write_by_hand(stilb_render_context *context, record_what what, const stilb_mat4 *transform)
 {
-	render_row_write(context->row++, transform, what.material, what.mesh, 0, context->stream_rows);
+	render_row_write(context->row++, transform, what.material, what.mesh, 0, 0, context->stream_rows);
 	record_write(context, what, context->row_index++ | RENDER_ROW_FRAME);
 }
 
@@ -603,7 +604,7 @@ typedef struct record_pass_view {
 	render_detail_view view;
 	const stilb_render_view *seen;
 	const stilb_mat4 *last; /* of the view */
-	uint16_t *history;      /* [part_count] */
+	uint16_t *history;      /* [part_count] NULL: levels do not depend on frames before */
 	uint8_t *impostors;     /* [impostor_model_count] NULL: none are drawn */
 } record_pass_view;
 
@@ -620,12 +621,13 @@ static inline void record_set_level(const render_levels *levels, uint32_t level,
 	record_set_state(levels, level, what);
 }
 
-/* Chooses the level in which a part is drawn, and brings its history up to date. False: the part fades. */
+/* Chooses the level in which a part is drawn, and brings its history, if it has one, up to date. False: the part
+ * fades. */
 static inline bool record_choose(const render_detail_view *view, const render_levels *levels, float stretch, float room,
                                  uint16_t *history, record_what *what)
 {
 	uint32_t level = render_detail_allowed(levels, stretch, room);
-	if (__builtin_expect(*history != render_detail_rest(level), 0)) {
+	if (history && __builtin_expect(*history != render_detail_rest(level), 0)) {
 		*history = render_detail_step(*history, view->mode, levels, level, stretch, room);
 		if (render_detail_fades(*history))
 			return false;
@@ -720,7 +722,8 @@ static bool record_part_cut(const record_pass_view *recorded, stilb_render_conte
 	const render_detail_view *view = &recorded->view;
 	const render_levels *levels = context->levels[what.mesh];
 	uint64_t plain = view->shows ? RENDER_STATE_SHOW : view->mode == STILB_RENDER_DETAIL_MORPH ? RENDER_STATE_MORPH : 0;
-	if (!record_choose(view, levels, parts->stretches[p], room, &recorded->history[p], &what))
+	if (!record_choose(view, levels, parts->stretches[p], room, recorded->history ? &recorded->history[p] : NULL,
+	                   &what))
 		return false;
 	if (record_is_cut(view, levels, &what)) {
 		record_clusters(recorded, context, what, parts, p, plain);
@@ -742,7 +745,7 @@ __attribute__((noinline)) static bool record_part_odd(const record_pass_view *re
 {
 	record_parts parts = record_parts_of(&recorded->pass);
 	record_what what = record_what_of(context, &parts, p);
-	uint16_t *history = &recorded->history[p];
+	uint16_t *history = recorded->history ? &recorded->history[p] : NULL;
 	bool levels = context->meshes[what.mesh].flags & RENDER_MESH_LEVELS;
 	if (levels && context->levels[what.mesh]->clusters)
 		return record_part_cut(recorded, context, &parts, p, room, what);
@@ -751,11 +754,12 @@ __attribute__((noinline)) static bool record_part_odd(const record_pass_view *re
 	           : record_part_seen(&recorded->view, context, &parts, p, history, room, 0.0f, false, levels, what);
 }
 
-/* Records the parts of models first .. end - 1 of the visible ones, but those that fade. True: there are some. morphs:
- * a constant, as above. */
+/* Records the parts of models first .. end - 1 of the visible ones, but those that fade. True: there are some. morphs
+ * and forgets, that there is no history: constants, as above. */
 __attribute__((always_inline)) static inline bool record_models_seen(const record_pass_view *recorded,
                                                                      stilb_render_context *context, uint32_t first,
-                                                                     uint32_t end, const float *rooms, bool morphs)
+                                                                     uint32_t end, const float *rooms, bool morphs,
+                                                                     bool forgets)
 {
 	record_parts parts = record_parts_of(&recorded->pass);
 	render_detail_view view = recorded->view;
@@ -768,16 +772,27 @@ __attribute__((always_inline)) static inline bool record_models_seen(const recor
 		for (uint32_t p = parts.first_part[model]; p < parts.first_part[model + 1]; p++) {
 			record_what what = record_what_of(context, &parts, p);
 			uint32_t flags = context->meshes[what.mesh].flags;
+			uint16_t *before = forgets ? NULL : &history[p];
 			what.state = 0;
 			if (flags == RENDER_MESH_LEVELS)
-				fades |= !record_part_seen(&view, context, &parts, p, &history[p], room, inverse, morphs, true, what);
+				fades |= !record_part_seen(&view, context, &parts, p, before, room, inverse, morphs, true, what);
 			else if (__builtin_expect(flags == 0, 1))
-				record_part_seen(&view, context, &parts, p, &history[p], room, inverse, morphs, false, what);
+				record_part_seen(&view, context, &parts, p, before, room, inverse, morphs, false, what);
 			else
 				fades |= !record_part_odd(recorded, context, p, room);
 		}
 	}
 	return fades;
+}
+
+static bool record_models_by_mode(const record_pass_view *recorded, stilb_render_context *context, uint32_t first,
+                                  uint32_t end, const float *rooms)
+{
+	if (!recorded->history)
+		return record_models_seen(recorded, context, first, end, rooms, false, true);
+	return recorded->view.mode == STILB_RENDER_DETAIL_MORPH
+	           ? record_models_seen(recorded, context, first, end, rooms, true, false)
+	           : record_models_seen(recorded, context, first, end, rooms, false, false);
 }
 
 /* Records the parts of models first .. end - 1 that fade, both levels of each: either in the pixels that the other one
@@ -819,8 +834,12 @@ static void record_impostor(const record_pass_view *recorded, stilb_render_conte
 	what.detail = detail << RENDER_DETAIL_SHIFT;
 	record_put_by_hand(context, what, transform, kind);
 	uint32_t last = render_place_last_row(&recorded->pass.render->scene.places, scene->first_part[model]);
-	if (last != 0 && !context->failed)
-		context->row[-1].last = last; /* of the row that was just written */
+	if (context->failed)
+		return;
+	render_row *row = &context->row[-1]; /* that was just written */
+	if (last != 0)
+		row->last = last;
+	row->model = render_row_model(scene, model);
 }
 
 /* Records a model that fades between its impostor and its meshes, each in the coarsest level that it may have. */
@@ -865,8 +884,8 @@ static void record_take_far(const record_pass_view *recorded, record_models *nea
 		uint32_t impostor = model < scene->impostor_model_count ? scene->model_impostor[model] : 0;
 		uint8_t *history = &recorded->impostors[impostor ? model : 0];
 		if (impostor)
-			*history = render_detail_impostor(*history, &recorded->view, scene->impostors[impostor - 1].side,
-			                                  scene->bounds.radius[model], room);
+			*history = render_detail_impostor(recorded->history ? *history : 0, &recorded->view,
+			                                  scene->impostors[impostor - 1].side, scene->bounds.radius[model], room);
 		record_models *to = impostor && *history != IMPOSTOR_MESHES ? far : near;
 		uint32_t at = to == far ? far->count++ : kept++;
 		to->ids[at] = model;
@@ -898,9 +917,7 @@ static void record_segment_far(const record_pass_view *recorded, stilb_render_co
 	record_take_far(recorded, &near, &far);
 	record_pass_view meshes = *recorded;
 	meshes.pass.visible = near.ids;
-	bool fades = recorded->view.mode == STILB_RENDER_DETAIL_MORPH
-	                 ? record_models_seen(&meshes, context, 0, near.count, near.rooms, true)
-	                 : record_models_seen(&meshes, context, 0, near.count, near.rooms, false);
+	bool fades = record_models_by_mode(&meshes, context, 0, near.count, near.rooms);
 	if (fades)
 		record_models_fading(&meshes, context, 0, near.count);
 	record_models_far(recorded, context, &far);
@@ -920,9 +937,7 @@ static void record_segment_seen(const record_pass_view *recorded, stilb_render_c
 		stilb_render_segment_end(context);
 		return;
 	}
-	bool fades = recorded->view.mode == STILB_RENDER_DETAIL_MORPH
-	                 ? record_models_seen(recorded, context, first, end, rooms, true)
-	                 : record_models_seen(recorded, context, first, end, rooms, false);
+	bool fades = record_models_by_mode(recorded, context, first, end, rooms);
 	/* Parts that fade come last: they have pipelines of their own, and among the others each would end a run. */
 	if (fades)
 		record_models_fading(recorded, context, first, end);
@@ -1015,21 +1030,31 @@ static stilb_result record_prepare(stilb_render *render, const stilb_scene *scen
 	recorded->last = view ? view->last : NULL;
 	if (!view || asked->visible_count == 0)
 		return STILB_OK;
+	if (view->lighting == STILB_RENDER_LIGHTING_COMBINED && render_view_is_lit(view)) {
+		stilb_result result =
+			render_combined_note(&render->passes[asked->pass].combined, scene, asked->visible, asked->visible_count);
+		if (result != STILB_OK)
+			return result;
+	}
 	STILB_ASSERT((uint32_t)view->detail.mode <= STILB_RENDER_DETAIL_MORPH && view->show < STILB_RENDER_SHOWS);
-	const stilb_render_target *target = view->target;
-	recorded->view = render_detail_view_make(view, target ? target->width : render->device->width,
-	                                         target ? target->height : render->device->height);
+	uint32_t size[2] = {view->area[2], view->area[3]}; /* of a target of depth alone */
+	if (size[0] == 0) {
+		size[0] = view->target ? view->target->width : render->device->width;
+		size[1] = view->target ? view->target->height : render->device->height;
+	}
+	recorded->view = render_detail_view_make(view, size[0], size[1]);
 	if (recorded->view.mode == STILB_RENDER_DETAIL_OFF)
 		return STILB_OK;
 	render_pass_lists *lists = &render->passes[asked->pass];
 	bool impostors = scene->impostor_model_count > 0 && render->scene.impostor_count == scene->impostor_count &&
 	                 render->scene.impostors_removed == scene->impostors_removed &&
 	                 stilb_scene_impostors_are_current(scene);
-	if (!record_history_fit(lists, scene->part_count) ||
+	bool forgets = view->shadow && recorded->view.mode == STILB_RENDER_DETAIL_POP;
+	if ((!forgets && !record_history_fit(lists, scene->part_count)) ||
 	    (impostors && !record_impostors_fit(lists, scene->impostor_model_count)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of %u parts", scene->part_count);
 	recorded->seen = view;
-	recorded->history = lists->history;
+	recorded->history = forgets ? NULL : lists->history;
 	recorded->impostors = impostors ? lists->impostors : NULL;
 	return STILB_OK;
 }

@@ -102,16 +102,17 @@ stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, r
 static void replay_keep_view(render_pass_lists *lists, const render_stream *stream)
 {
 	const stilb_scene_surroundings *around = &stream->view->surroundings;
-	uint32_t lamps = stream->lights.count > 0 && stream->panorama ? stream->panorama->lamp_count : 0;
+	uint32_t lamps = stream->lights.count > 0 ? render_view_lamps(stream->view, stream->panorama) : 0;
 	lists->shading = stream->view->shading;
 	memcpy(lists->sky, around->sky, sizeof lists->sky);
 	memcpy(lists->ground, around->ground, sizeof lists->ground);
-	lists->glossy = around->glossy;
+	lists->glossy = (uint32_t)around->glossy + 2 * (uint32_t)stream->view->ambient;
 	lists->both_sides = stream->view->both_sides;
 	lists->first_light = stream->lights.first + lamps;
 	lists->light_count = stream->lights.count - lamps;
 	lists->panorama = stream->panorama ? stream->panorama->key : 0;
 	lists->rotation = stream->panorama ? around->rotation : 0.0f;
+	lists->shadow = stream->view->shadow;
 }
 
 static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists,
@@ -202,7 +203,21 @@ static bool replay_target_is_sound(const stilb_render_target *target)
 	bool placed = target->place[2] > 0 && target->place[3] > 0;
 	return length > 0 && length <= STILB_RENDER_TARGET_NAME && (uint32_t)target->kind <= STILB_RENDER_TARGET_DEPTH &&
 	       target->width >= 1 && target->width <= 16384 && target->height >= 1 && target->height <= 16384 &&
-	       (!placed || target->kind == STILB_RENDER_TARGET_LIGHT);
+	       target->layers <= RENDER_MAX_LAYERS &&
+	       (target->kind == STILB_RENDER_TARGET_LIGHT ? target->layers == 0 && !target->lasting : !placed);
+}
+
+/* True if the view fills a part of its target that is there. */
+static bool replay_area_is_sound(const stilb_render_view *view)
+{
+	const stilb_render_target *target = view->target;
+	const uint16_t *area = view->area;
+	bool none = area[0] == 0 && area[1] == 0 && area[2] == 0 && area[3] == 0;
+	if (!render_view_is_depth(view))
+		return none && view->layer == 0 && !view->shadow;
+	return view->layer < (target->layers > 0 ? target->layers : 1) &&
+	       (none || (area[2] > 0 && area[3] > 0 && area[0] + area[2] <= (int)target->width &&
+	                 area[1] + area[3] <= (int)target->height));
 }
 
 stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
@@ -216,7 +231,7 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	for (const stilb_render_pass *pass = passes; pass < passes + pass_count; pass++)
 		STILB_ASSERT(pass->kind != STILB_RENDER_PASS_SCENE ||
 		             (pass->view < view_count && replay_target_is_sound(views[pass->view].target) &&
-		              render_view_lighting_is_known(&views[pass->view])));
+		              replay_area_is_sound(&views[pass->view]) && render_view_lighting_is_known(&views[pass->view])));
 	render_device *device = render->device;
 	device->stats = (stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_other_bytes(render)};
 	render->state = RENDER_FRAME_REPLAYED;
@@ -298,7 +313,12 @@ static uint64_t hash_view(uint64_t hash, const stilb_render *render, const rende
 		return hash;
 	STILB_ASSERT(lists->first_light + lists->light_count <= memory->capacity);
 	const render_light *lights = (const render_light *)memory->data + lists->first_light;
-	return stilb_hash_fnv1a64(hash, lights, lists->light_count * sizeof *lights);
+	for (uint32_t l = 0; l < lists->light_count; l++) {
+		render_light light = lights[l];
+		light.kind = (float)((uint32_t)light.kind % RENDER_LIGHT_SHADOW); /* as without shadows */
+		hash = stilb_hash_fnv1a64(hash, &light, sizeof light);
+	}
+	return hash;
 }
 
 /* Caller holds the lock of resources: other threads may create materials, which may move their heap. */
@@ -307,7 +327,7 @@ static uint64_t hash_passes(const stilb_render *render, bool panorama)
 	uint64_t hash = STILB_FNV1A64_START;
 	for (uint32_t i = 0; i < render->replayed_count; i++) {
 		const render_pass_lists *lists = &render->passes[render->replayed[i]];
-		if (lists->kind != STILB_RENDER_PASS_SCENE)
+		if (lists->kind != STILB_RENDER_PASS_SCENE || lists->shadow)
 			continue;
 		hash = hash_view(hash, render, lists, panorama);
 		for (uint32_t r = 0; r < lists->run_count; r++) {

@@ -346,6 +346,8 @@ void render_scene_replace(stilb_render *render, render_scene *next)
 		if (render->passes[p].impostor_capacity > 0)
 			memset(render->passes[p].impostors, 0, render->passes[p].impostor_capacity);
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
+		render_combined_renew(&render->passes[p].combined);
+	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
 		if (render->passes[p].history_capacity > 0)
 			memset(render->passes[p].history, 0, render->passes[p].history_capacity * sizeof(uint16_t));
 	render_panorama_renew(&render->panorama);

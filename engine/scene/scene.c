@@ -2,6 +2,7 @@
 
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/open/scene_lights_file.h"
 #include "scene/play/scene_play_internal.h"
 #include "scene/scene_animation_internal.h"
 #include "scene/scene_impostor.h"
@@ -39,6 +40,7 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 	scene->first_part = scene_array(&failed, (size_t)model_count + 1, sizeof(uint32_t));
 	scene->moved = scene_array(&failed, model_count, sizeof(uint32_t));
 	scene->model_node = scene_array(&failed, model_count, sizeof(uint32_t));
+	scene->model_flags = scene_array(&failed, model_count, sizeof(uint8_t));
 	scene->part_count = part_count;
 	scene->part_mesh = scene_array(&failed, part_count, sizeof(uint32_t));
 	scene->part_material = scene_array(&failed, part_count, sizeof(uint32_t));
@@ -54,6 +56,27 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 	}
 	*out = scene;
 	return STILB_OK;
+}
+
+void scene_set_model_flags(stilb_scene *scene, uint32_t model, uint32_t flags)
+{
+	STILB_ASSERT(model < scene->model_count && flags <= STILB_SCENE_MODEL_FLAGS);
+	scene->model_flags[model] = (uint8_t)flags;
+	scene->flags_used |= flags;
+}
+
+uint32_t stilb_scene_leave_out(const stilb_scene *scene, uint32_t flags, uint32_t *ids, uint32_t count)
+{
+	STILB_ASSERT(scene && (ids || count == 0));
+	if ((scene->flags_used & flags) == 0)
+		return count;
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		STILB_ASSERT(ids[i] < scene->model_count);
+		ids[kept] = ids[i];
+		kept += (scene->model_flags[ids[i]] & flags) == 0;
+	}
+	return kept;
 }
 
 void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3])
@@ -183,6 +206,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->first_part);
 	free(scene->moved);
 	free(scene->model_node);
+	free(scene->model_flags);
 	free(scene->nodes.parent);
 	free(scene->nodes.pose);
 	free(scene->nodes.local);
@@ -200,6 +224,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->textures);
 	free(scene->lights);
 	free(scene->light_mounts);
+	scene_lights_close(scene->lights_file);
 	free(scene->cameras);
 	free(scene->camera_mounts);
 	free(scene->names.models);
@@ -278,7 +303,8 @@ bool scene_is_sound(const stilb_scene *scene)
 {
 	bool sound = scene->first_part[0] == 0 && scene->first_part[scene->model_count] == scene->part_count;
 	for (uint32_t m = 0; m < scene->model_count; m++)
-		sound = sound && scene->first_part[m] <= scene->first_part[m + 1];
+		sound = sound && scene->first_part[m] <= scene->first_part[m + 1] &&
+		        (scene->model_flags[m] & ~(scene->flags_used & STILB_SCENE_MODEL_FLAGS)) == 0;
 	for (uint32_t m = 0; m < scene->mesh_count; m++)
 		sound = sound && scene_mesh_is_sound(&scene->meshes[m]);
 	for (uint32_t m = 0; m < scene->material_count; m++)

@@ -305,6 +305,15 @@ typedef struct stilb_scene_bounds {
 
 #define STILB_SCENE_NONE UINT32_MAX /* in place of an id: the part of a removed model */
 
+/* How a model differs from most, in frames and traced pictures alike: bits of stilb_scene.model_flags. */
+/* Nobody sees it: not the camera, nor rays that a surface mirrors or is lit by indirectly. It casts its shadow. */
+#define STILB_SCENE_MODEL_UNSEEN 1u
+/* Light goes through it on its way from a light, or from the surroundings, to a surface. */
+#define STILB_SCENE_MODEL_CASTS_NO_SHADOW 2u
+/* Lights and surroundings light it as if nothing were in between. */
+#define STILB_SCENE_MODEL_RECEIVES_NO_SHADOW 4u
+#define STILB_SCENE_MODEL_FLAGS 7u /* all of them */
+
 /* How many changes there were of each kind, for readers that keep something made of the scene: a number that is still
  * the same means that nothing of its kind has changed (stilb_scene_revisions_read). One edit may count more than
  * once. */
@@ -324,6 +333,8 @@ typedef struct stilb_scene {
 	uint32_t *first_part;      /* [model_count + 1]: model m owns parts first_part[m] .. first_part[m + 1] - 1 */
 
 	uint32_t *model_node; /* [model_count] 1 + the node on which the model hangs, whose place its parts have; 0: none */
+	uint8_t *model_flags; /* [model_count] STILB_SCENE_MODEL_...; 0: it is seen, casts shadows and receives them */
+	uint32_t flags_used;  /* no model has other flags than these; 0: none has any */
 
 	uint32_t part_count;
 	uint32_t *part_mesh;        /* [part_count], or STILB_SCENE_NONE */
@@ -358,8 +369,9 @@ typedef struct stilb_scene {
 	uint32_t texture_count;
 	stilb_image *textures; /* [texture_count]; 1 to 4 channels; row 0 is v = 0; repeated outside [0, 1] */
 	uint32_t light_count;
-	stilb_scene_light *lights;       /* [light_count] */
-	stilb_scene_mount *light_mounts; /* [light_count]; NULL: no light hangs on a node */
+	stilb_scene_light *lights;                   /* [light_count] */
+	stilb_scene_mount *light_mounts;             /* [light_count]; NULL: no light hangs on a node */
+	struct stilb_scene_lights_file *lights_file; /* of open/scene_lights.h; NULL: the scene is of no file */
 
 	stilb_scene_surroundings surroundings;
 	stilb_scene_backdrop backdrop; /* map and floor are the scene's own, as scene_look.h makes them */
@@ -376,6 +388,8 @@ typedef struct stilb_scene {
 	bool both_sides;
 	uint64_t seed;                           /* of the stress test, else 0 */
 	uint32_t stress_lamps;                   /* of the stress test its lamps, lights 1 .. stress_lamps */
+	bool stress_strings;                     /* these hang on strings */
+	uint32_t stress_carried;                 /* and those that its figures carry, behind them */
 	uint32_t stress_models;                  /* of the stress test its spheres over tiles, the first models; else 0 */
 	struct stilb_scene_edits *edits;         /* of scene_edit.h; NULL: there was none */
 	struct stilb_scene_animation *animation; /* of scene_animation.h; NULL: nothing of the file moves */
@@ -408,6 +422,8 @@ const char *stilb_scene_builtin_names(void);
  * kind: a texture that is missing (its material becomes magenta), maps on a third uv, animations, ...
  * (docs/import.md has the list).
  *
+ * What FILE.lights.json beside the file says of the scene's lights counts (open/scene_lights.h); a line names it.
+ *
  * Files are read by another process, stilb-scene-import: a crash or an endless loop there is an error here. It can read
  * the file, the files that it names below its folder and, by ../, below that folder's parent; no others, and none
  * through a symbolic link that leads out. It may use three quarters of the machine's memory, 8 GiB at most, and 120 s,
@@ -424,8 +440,8 @@ typedef struct stilb_scene_open_options {
 	/* Asked again and again while a file is read, on the same thread; true: the user gives it up, which is
 	 * STILB_ERROR_FILE. NULL: never. */
 	bool (*give_up)(void *user);
-	/* Told of each file that the scene's file names and that is read, by its path from the root, on the same thread;
-	 * NULL: nobody asks. */
+	/* Told of each file that the scene's file names and that is read, by its path from the root, and of
+	 * FILE.lights.json beside it, which need not be there; on the same thread. NULL: nobody asks. */
 	void (*opened)(void *user, const char *path);
 	/* Told how much of a file is read, on the same thread: (0, 1], never less than before, 1 when the scene is there.
 	 * It stands still while Assimp reads a file of its formats. NULL: nobody asks. */
@@ -520,7 +536,20 @@ void stilb_scene_stress_set_light(stilb_scene *scene, stilb_scene_stress_light l
  * has changed. [one-writer] */
 stilb_result stilb_scene_stress_add_lamps(stilb_scene *scene, uint32_t count);
 
-/* Moves these lamps: a quarter goes in circles, and the spots swing. seconds as of stilb_scene_animate. [one-writer] */
+#define STILB_SCENE_STRING 50u /* bulbs of a string */
+
+/* Hangs these lamps on strings in place of that: warm bulbs of the same small size, STILB_SCENE_STRING a string,
+ * between posts that stand by the scene's seed. [one-writer] */
+void stilb_scene_stress_hang_strings(stilb_scene *scene);
+
+#define STILB_SCENE_CARRIED 3u /* lamps of a figure */
+
+/* Gives each figure of stilb_scene_stress_add_figures STILB_SCENE_CARRIED small lamps that hang on its nodes, one on
+ * the head and one in each hand. After any stilb_scene_stress_add_lamps. STILB_ERROR_MEMORY. [one-writer] */
+stilb_result stilb_scene_stress_add_carried(stilb_scene *scene);
+
+/* Moves the lamps over the tiles: a quarter goes in circles, and the spots swing; strings sway. seconds as of
+ * stilb_scene_animate. [one-writer] */
 void stilb_scene_stress_move_lamps(stilb_scene *scene, double seconds);
 
 /* Moves the spheres of models 0, 10, 20, ... of a scene of stilb_scene_create_stress up and down, and lists these
@@ -584,6 +613,10 @@ void stilb_scene_mesh_drop_levels(stilb_scene_mesh *mesh);
 #define STILB_SCENE_FRAME_YAW 0.42f
 #define STILB_SCENE_FRAME_PITCH (-0.31f)
 stilb_scene_camera stilb_scene_frame(const stilb_scene *scene, float yaw, float pitch, float aspect);
+
+/* Leaves out of ids[0 .. count - 1] the models that have any of these flags, STILB_SCENE_MODEL_...; the others move up
+ * in their order. Returns how many are left. Costs nothing where no model of the scene has such a flag. [any-thread] */
+uint32_t stilb_scene_leave_out(const stilb_scene *scene, uint32_t flags, uint32_t *ids, uint32_t count);
 
 /* What has changed, counted since the scene was made. Any number of readers may compare it with what they read before.
  * Lights, surroundings and camera, which programs assign, are compared by a hash of their values at this call with

@@ -184,10 +184,12 @@ bool scene_floor_cover(const stilb_scene *scene, const stilb_sphere *sphere, sti
 	for (int z = 0; z < FLOOR_SIDE; z++)
 		for (int x = 0; x < FLOOR_SIDE; x++)
 			columns->cells[z][x] = (floor_column){FLOOR_EMPTY, 0.0f};
-	for (uint32_t model = 0; model < scene->model_count && !often; model++)
-		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++)
+	for (uint32_t model = 0; model < scene->model_count && !often; model++) {
+		bool casts = (scene->model_flags[model] & STILB_SCENE_MODEL_CASTS_NO_SHADOW) == 0;
+		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1] && casts; part++)
 			if (!isnan(scene->bounds.radius[model]) && scene->part_mesh[part] != STILB_SCENE_NONE)
 				floor_add_part(columns, scene, part);
+	}
 	for (int z = 0; z < FLOOR_SIDE; z++)
 		for (int x = 0; x < FLOOR_SIDE; x++)
 			floor->covered[z][x] = floor_covered(columns, x, z);

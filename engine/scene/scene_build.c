@@ -22,6 +22,7 @@ typedef struct build_mesh {
 
 typedef struct build_model {
 	uint32_t node, first_part;
+	uint32_t flags; /* STILB_SCENE_MODEL_... */
 } build_model;
 
 typedef struct build_node {
@@ -333,13 +334,27 @@ uint32_t stilb_scene_build_model(stilb_scene_build *build, uint32_t node, const 
 	void *room = build_room(build, &build->parts, part_count, sizeof *parts, "part");
 	if (!room)
 		return 0;
-	build_model model = {node, build->parts.count};
+	build_model model = {.node = node, .first_part = build->parts.count};
 	uint32_t id = build_add(build, &build->models, &model, sizeof model, "model");
 	if (!build_goes_on(build))
 		return 0;
 	memcpy(room, parts, part_count * sizeof *parts);
 	build->parts.count += part_count;
 	return id;
+}
+
+void stilb_scene_build_model_flags(stilb_scene_build *build, uint32_t model, uint32_t flags)
+{
+	if (!build_goes_on(build))
+		return;
+	build_model *models = build->models.items;
+	if (model >= build->models.count)
+		build_refuse(build, "flags: there is no model %u", model);
+	else if (flags > STILB_SCENE_MODEL_FLAGS)
+		build_refuse(build, "model %u: its flags are %u; STILB_SCENE_MODEL_FLAGS, %u, are all there are", model, flags,
+		             STILB_SCENE_MODEL_FLAGS);
+	else
+		models[model].flags = flags;
 }
 
 /* ---- light and camera -------------------------------------------------------------------------------------------- */
@@ -526,6 +541,7 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 		uint32_t end = m + 1 < scene->model_count ? models[m + 1].first_part : scene->part_count;
 		scene->first_part[m] = models[m].first_part;
 		scene->model_node[m] = models[m].node + 1;
+		scene_set_model_flags(scene, m, models[m].flags);
 		for (uint32_t p = models[m].first_part; p < end; p++) {
 			scene->part_mesh[p] = parts[p].mesh;
 			scene->part_material[p] = parts[p].material;

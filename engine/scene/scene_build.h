@@ -86,6 +86,9 @@ typedef struct stilb_scene_build_part {
 uint32_t stilb_scene_build_model(stilb_scene_build *build, uint32_t node, const stilb_scene_build_part *parts,
                                  uint32_t part_count);
 
+/* Gives a model its flags, STILB_SCENE_MODEL_..., in place of those it had: none at first. */
+void stilb_scene_build_model_flags(stilb_scene_build *build, uint32_t model, uint32_t flags);
+
 /* Adds a light of any kind, with which stilb_scene_light_mistake finds nothing wrong. face: 1 + the number of a part,
  * counted over all models so far, or 0. */
 uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_light *light);

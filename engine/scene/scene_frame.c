@@ -81,6 +81,11 @@ static void frame_add_part(frame_extent *extent, frame_outline *outline, const s
 	}
 }
 
+static bool frame_sees(const stilb_scene *scene, uint32_t model)
+{
+	return !isnan(scene->bounds.radius[model]) && (scene->model_flags[model] & STILB_SCENE_MODEL_UNSEEN) == 0;
+}
+
 /* Adds the corners of the cubes around the models' bounds, with sides along the camera's axes. */
 static void frame_add_bounds(frame_extent *extent, frame_outline *outline, const stilb_scene *scene,
                              const stilb_mat4 *to_view)
@@ -88,7 +93,7 @@ static void frame_add_bounds(frame_extent *extent, frame_outline *outline, const
 	const stilb_scene_bounds *b = &scene->bounds;
 	const float *m = to_view->m;
 	for (uint32_t i = 0; i < scene->model_count; i++)
-		for (int corner = 0; corner < 8 && !isnan(b->radius[i]); corner++) {
+		for (int corner = 0; corner < 8 && frame_sees(scene, i); corner++) {
 			stilb_vec3 at = {0};
 			for (int k = 0; k < 3; k++)
 				at[k] = m[k] * b->x[i] + m[4 + k] * b->y[i] + m[8 + k] * b->z[i] +
@@ -131,7 +136,7 @@ static void frame_add_scene(frame_extent *extent, frame_outline *outline, const 
 		return;
 	}
 	for (uint32_t m = 0; m < scene->model_count; m++)
-		for (uint32_t p = scene->first_part[m]; p < scene->first_part[m + 1] && !isnan(scene->bounds.radius[m]); p++)
+		for (uint32_t p = scene->first_part[m]; p < scene->first_part[m + 1] && frame_sees(scene, m); p++)
 			frame_add_part(extent, outline, scene, p, to_view);
 }
 

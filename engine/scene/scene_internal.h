@@ -40,6 +40,9 @@ bool scene_variants_are_sound(const stilb_scene *scene);
  * to_world. STILB_ERROR_MEMORY. */
 stilb_result scene_add_nodes(stilb_scene *scene, uint32_t count);
 
+/* Gives a model its flags, STILB_SCENE_MODEL_..., and tells nobody. */
+void scene_set_model_flags(stilb_scene *scene, uint32_t model, uint32_t flags);
+
 /* Rooms for what hangs on nodes of lights and cameras, of those that there are now, all on none. Does nothing if it is
  * there. STILB_ERROR_MEMORY. */
 stilb_result scene_add_mounts(stilb_scene_mount **mounts, uint32_t count);

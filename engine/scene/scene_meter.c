@@ -159,7 +159,7 @@ static void meter_draw_scene(meter *m)
 			triangles += scene->meshes[scene->part_mesh[p]].index_count / 3;
 	uint32_t step = (uint32_t)(triangles / METER_TRIANGLES) + 1;
 	for (uint32_t model = 0; model < scene->model_count; model++) {
-		if (isnan(scene->bounds.radius[model]))
+		if (isnan(scene->bounds.radius[model]) || scene->model_flags[model] & STILB_SCENE_MODEL_UNSEEN)
 			continue;
 		for (uint32_t p = scene->first_part[model]; p < scene->first_part[model + 1]; p++)
 			if (scene->part_mesh[p] != STILB_SCENE_NONE)

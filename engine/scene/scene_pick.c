@@ -302,7 +302,7 @@ bool stilb_scene_pick_indexed(const stilb_scene *scene, const stilb_scene_ray *r
 	for (int i = 0; i < 3; i++)
 		search.inverse[i] = 1.0 / ray->direction[i];
 	for (uint32_t model = 0; model < scene->model_count; model++) {
-		if (!pick_may_meet(&scene->bounds, model, ray))
+		if (scene->model_flags[model] & STILB_SCENE_MODEL_UNSEEN || !pick_may_meet(&scene->bounds, model, ray))
 			continue;
 		search.model = model;
 		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++) {

@@ -84,6 +84,60 @@ SHADE_FN vec3 shade_brdf_cos(shade_brdf_model model, shade_brdf_parameters p, sh
 	return shade_microfacet_cos(model, p, frame, a, l, v);
 }
 
+/* ---- the largest value ------------------------------------------------------------------------------------------- */
+
+/* Bound of the microfacet models' D, sr^-1: its value for a facet along the normal. Beckmann's is up to 1.48 times that
+ * for tilted facets of alpha above 0.7; an anisotropic one with a width above 1 up to its fourth power. */
+SHADE_FN float shade_d_peak(int ndf, shade_alphas alphas)
+{
+	float wide = max(max(alphas.x, alphas.y), 1.0f);
+	float tilted = select(ndf == SHADE_NDF_BECKMANN, 1.48f, wide * wide * wide * wide);
+	return tilted / (SHADE_PI * alphas.x * alphas.y);
+}
+
+/* Bound of V n.l. Smith's and Schlick's factor for l times n.l is at most 1/2, that for v at most 1 / alpha, with
+ * Beckmann's fit 3.535 / 2 / (alpha sin t), sin t being at least 1 / sqrt(1 + (1.6 alpha)^2) where the fit is used. Of
+ * Kelemen and Cook-Torrance at most 1/2 / (v.h), as n.l <= 2 v.h, and 1/4 / min(n.l, n.v): without bound but for the
+ * epsilon. */
+SHADE_FN float shade_v_peak(int g, shade_alphas alphas)
+{
+	float narrow = min(alphas.x, alphas.y);
+	float wide = max(alphas.x, alphas.y);
+	if (g == SHADE_G_IMPLICIT || g == SHADE_G_NEUMANN)
+		return 0.25f;
+	if (g == SHADE_G_KELEMEN || g == SHADE_G_COOK_TORRANCE)
+		return 0.5f / SHADE_COSINE_EPSILON;
+	if (g == SHADE_G_SMITH_BECKMANN)
+		return 0.884f * sqrt(1.0f + 2.56f * wide * wide) / narrow;
+	return 0.5f / narrow;
+}
+
+/* No direction makes shade_brdf_cos of p.specular = 1 larger than this, sr^-1, but for what is rounded; of microfacets
+ * with a Fresnel term of no p.specular. Bounds for each factor, of which microfacets reach a fifth or more and
+ * minimalist far less. roughness and anisotropy: as in shade_brdf_parameters. Source: derived here from the formulas
+ * above. */
+SHADE_FN float shade_brdf_peak(shade_brdf_model model, float roughness, float anisotropy)
+{
+	float alpha = shade_alpha_from_roughness(roughness);
+	float n = shade_exponent_from_alpha(alpha);
+	if (model.kind == SHADE_BRDF_LAMBERT || model.kind == SHADE_BRDF_WRAPPED)
+		return SHADE_INV_PI;
+	if (model.kind == SHADE_BRDF_BLINN_PHONG)
+		return shade_blinn_phong_factor(n);
+	if (model.kind == SHADE_BRDF_BLINN_PHONG_MODIFIED)
+		return shade_blinn_phong_modified_factor(n);
+	if (model.kind == SHADE_BRDF_MINIMALIST) /* F V n.l <= 1/4 2 (l.h) / (l.h)^3 */
+		return shade_blinn_phong_ndf_factor(n) * 0.5f / (SHADE_COSINE_EPSILON * SHADE_COSINE_EPSILON);
+	if (model.kind == SHADE_BRDF_PHONG)
+		return shade_phong_factor(shade_exponent_about_r(n));
+	if (model.kind == SHADE_BRDF_PHONG_MODIFIED)
+		return shade_phong_modified_factor(shade_exponent_about_r(n));
+	shade_alphas alphas = {alpha, alpha};
+	if (model.ndf == SHADE_NDF_GGX_ANISOTROPIC)
+		alphas = shade_alphas_from_anisotropy(alpha, anisotropy);
+	return shade_d_peak(model.ndf, alphas) * shade_v_peak(model.g, alphas);
+}
+
 /* What the model's highlight leaves of the diffuse light at the viewer's angle: 1 but for microfacets with a Fresnel
  * term, shade_diffuse_left. A material without a highlight has all of it left; that is the caller's to know. */
 SHADE_FN float shade_brdf_diffuse_left(shade_brdf_model model, float n_dot_v, float roughness)

@@ -144,6 +144,16 @@ SHADE_FN float shade_sh_irradiance(shade_sh radiance, vec3 n)
 	return shade_sh_dot(radiance, shade_sh_convolve_cosine(shade_sh_basis(n)));
 }
 
+/* Bands of a highlight's lobe cos(angle)^exponent about the mirrored direction, cut off at right angles: radiance
+ * convolved with it is what the highlight has on average. The means of Legendre's polynomials over the lobe, whose
+ * density (n + 1) / (2 pi) cos^n integrates to 1: of cos it is (n + 1) / (n + 2), of (3 cos^2 - 1) / 2 it is
+ * n / (n + 3). exponent >= 0. Source: derived here; Ramamoorthi and Hanrahan, "A Signal-Processing Framework for
+ * Inverse Rendering" (SIGGRAPH 2001), for Phong lobes as bands. */
+SHADE_FN vec3 shade_sh_lobe(float exponent)
+{
+	return vec3(1.0f, (exponent + 1.0f) / (exponent + 2.0f), exponent / (exponent + 3.0f));
+}
+
 /* ---- windowing --------------------------------------------------------------------------------------------------- */
 
 /* The least blur after which no surroundings have negative irradiance, and after which none have negative radiance. */

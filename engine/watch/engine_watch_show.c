@@ -44,6 +44,7 @@ void engine_watch_tell(stilb_engine *engine)
 	while (engine->watch && engine_watch_look(engine->watch, &news)) {
 		bool shown = engine->window || engine->input.is_given;
 		watch_log(news.text);
+		engine->shadows.valid = engine->shadows.valid && !news.good; /* they may look otherwise now */
 		watch_forget(engine);
 		if (news.good || !shown || engine_overlay_create(engine) != STILB_OK) {
 			if (news.good)

@@ -64,7 +64,7 @@ typedef struct flag {
 } flag;
 
 /* A table that is made of pieces, for rows that several commands share; {0} is empty. */
-#define FLAG_ROWS_MAX 96
+#define FLAG_ROWS_MAX 128
 typedef struct flag_rows {
 	size_t count;
 	flag rows[FLAG_ROWS_MAX];

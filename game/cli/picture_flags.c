@@ -33,6 +33,8 @@ picture_flags picture_flags_default(void)
 		.anisotropy = NAN,
 		.wrap = NAN,
 		.specular = NAN,
+		.shadows = STILB_ENGINE_SHADOWS_MAP,
+		.shadow_samples = 16,
 		.detail = PICTURE_DETAIL_DEFAULT,
 		.detail_error = 0.5f,
 	};
@@ -64,14 +66,34 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	     picture_specular_aa_choices},
 	};
 	const flag lighting[] = {
-		{"--lighting", FLAG_CHOICE, &p->lighting, "WAY",
-	     "how pixels find lights: auto, forward, multipass, clustered or deferred (auto)", 0, 0,
+		{"--lighting", FLAG_CHOICE, &p->lighting, "WAY", "how pixels find lights, see below (auto)", 0, 0,
 	     stilb_render_lighting_names},
 		{"--light-coverage", FLAG_CHOICE, &p->coverage, "WAY",
-	     "of --lighting deferred, what a light asks: cells, screen or rectangles (cells)", 0, 0,
+	     "of deferred, prepass, prelight: cells, screen, rectangles or volumes (cells)", 0, 0,
 	     stilb_render_coverage_names},
 		{"--gbuffer", FLAG_CHOICE, &p->gbuffer, "WAY",
-	     "of --lighting deferred, how surfaces are kept: wide or rgba8 (wide)", 0, 0, stilb_render_gbuffer_names},
+	     "of deferred and tiled-deferred, how surfaces are kept: wide or rgba8 (wide)", 0, 0,
+	     stilb_render_gbuffer_names},
+		{"--light-lists", FLAG_CHOICE, &p->light_lists, "WHO", "makes lists of lights: jobs or compute (jobs)", 0, 0,
+	     stilb_render_light_lists_names},
+		{"--light-tolerance", FLAG_AMOUNT, &p->light_tolerance, "T",
+	     "of display white, what lights left out of a pixel may send together, 0..1 (0)", 0, 1, NULL},
+		{"--light-fade", FLAG_AMOUNT, &p->light_fade, "PIXELS",
+	     "lights whose reach has fewer pixels are out; up to twice that they fade (0)", 0, 1000, NULL},
+		{"--shadows", FLAG_CHOICE, &p->shadows, "off|map", "map: what lights see is drawn into maps (map)", 0, 0,
+	     stilb_engine_shadow_names},
+		{"--cascades", FLAG_NUMBER, &p->cascades, "1..8", "shadow maps of a sun (4 on a GPU, 2 in software)", 1, 8,
+	     NULL},
+		{"--cascade-size", FLAG_NUMBER, &p->cascade_size, "TEXELS",
+	     "a shadow map's side, a power of two, 64..8192 (2048 on a GPU, 1024 in software)", 64, 8192, NULL},
+		{"--shadow-distance", FLAG_AMOUNT, &p->shadow_distance, "METRES",
+	     "where shadows of suns have faded out; 0: nowhere (0)", 0, 1000000000, NULL},
+		{"--shadow-samples", FLAG_NUMBER, &p->shadow_samples, "1|4|16|36", "texels of a map that a pixel asks (16)", 1,
+	     36, NULL},
+		{"--shadow-faces", FLAG_CHOICE, &p->shadow_faces, "both|front|back",
+	     "sides of triangles, as a light sees them, that maps have (both)", 0, 0, stilb_engine_shadow_faces_names},
+		{"--ambient", FLAG_CHOICE, &p->ambient, "KIND",
+	     "what the surroundings' light is taken for, see below (environment)", 0, 0, stilb_render_ambient_names},
 	};
 	const flag range[] = {
 		{"--show-range", FLAG_TEXT, &p->show_range, "LOW,HIGH", "values of that image shown black and white (0,1)", 0,
@@ -182,6 +204,23 @@ static void picture_add_tone(picture_flags *p, flag_rows *table)
 	flag_rows_add(table, tone, 1);
 }
 
+static void picture_add_post(picture_flags *p, flag_rows *table)
+{
+	const flag post[] = {
+		{"--ao", FLAG_AMOUNT, &p->occlusion, "S",
+	     "ambient occlusion: ambient light is darker by it where it is hidden, 0..1 (0)", 0, 1, NULL},
+		{"--ao-radius", FLAG_AMOUNT, &p->occlusion_radius, "METRES", "what is nearer hides it (1)", 0, 1000000, NULL},
+		{"--bloom", FLAG_AMOUNT, &p->bloom, "S", "share of each pixel's light that the lens scatters, 0..1 (0)", 0, 1,
+	     NULL},
+		{"--bloom-width", FLAG_AMOUNT, &p->bloom_width, "S",
+	     "of it, what goes on from each pattern to the one twice as wide, 0..1 (0.6)", 0, 1, NULL},
+		{"--bloom-format", FLAG_CHOICE, &p->bloom_format, "KIND",
+	     "images that add it up: half, or fixed, 8 bits through a tone curve (half)", 0, 0,
+	     stilb_post_bloom_format_names},
+	};
+	flag_rows_add(table, post, sizeof post / sizeof *post);
+}
+
 void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_rows *table)
 {
 	STILB_ASSERT(picture && table);
@@ -194,6 +233,8 @@ void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_r
 		picture_add_place(picture, table);
 	if (group == PICTURE_LOOK)
 		picture_add_look(picture, table);
+	if (group == PICTURE_POST)
+		picture_add_post(picture, table);
 	if (group == PICTURE_TONE)
 		picture_add_tone(picture, table);
 }
@@ -253,6 +294,10 @@ static bool picture_check_show(const picture_flags *p)
 	if (p->show_range && (!flags_numbers(p->show_range, 2, 2, &range) || range.numbers[0] == range.numbers[1] ||
 	                      !isfinite(range.numbers[0]) || !isfinite(range.numbers[1]))) {
 		stilb_log("--show-range: '%s' is not LOW,HIGH; give two different numbers separated by a comma", p->show_range);
+		return false;
+	}
+	if (picture_flags_show(p, &kind, &image) && stilb_engine_image_is_of_one_sample(image.name) && p->samples > 1) {
+		stilb_log("--show %s has one sample a pixel; leave out --msaa", image.name);
 		return false;
 	}
 	return true;
@@ -337,16 +382,52 @@ bool picture_flags_are_transparent(const picture_flags *p)
 	return p->background && strcmp(p->background, "transparent") == 0;
 }
 
-/* Of --lighting deferred and what goes with it. */
+/* Of --lighting and what goes with it. */
 static bool picture_check_lighting(const picture_flags *p)
 {
-	bool deferred = p->lighting == STILB_RENDER_LIGHTING_DEFERRED;
-	if (deferred && p->samples > 1) {
-		stilb_log("--lighting deferred has one sample a pixel; leave out --msaa, or light in another way");
+	stilb_render_lighting way = (stilb_render_lighting)p->lighting;
+	bool surfaces = way == STILB_RENDER_LIGHTING_DEFERRED || way == STILB_RENDER_LIGHTING_TILED_DEFERRED;
+	bool covers = way == STILB_RENDER_LIGHTING_DEFERRED || way == STILB_RENDER_LIGHTING_PREPASS ||
+	              way == STILB_RENDER_LIGHTING_PRELIGHT;
+	if (stilb_render_lighting_is_of_one_sample(way) && p->samples > 1) {
+		stilb_log("--lighting %s has one sample a pixel; leave out --msaa, or light in another way",
+		          stilb_render_lighting_names[way]);
 		return false;
 	}
-	if (!deferred && (p->coverage != 0 || p->gbuffer != 0)) {
-		stilb_log("%s is of --lighting deferred; give that, too", p->coverage != 0 ? "--light-coverage" : "--gbuffer");
+	if (!covers && p->coverage != 0) {
+		stilb_log("--light-coverage is of --lighting deferred, prepass and prelight; give one of these, too");
+		return false;
+	}
+	bool prunes = way == STILB_RENDER_LIGHTING_AUTO || way == STILB_RENDER_LIGHTING_CLUSTERED ||
+	              way == STILB_RENDER_LIGHTING_TILED_DEFERRED ||
+	              (way == STILB_RENDER_LIGHTING_DEFERRED && p->coverage == STILB_RENDER_COVERAGE_CELLS);
+	if (!prunes && p->light_tolerance > 0.0f) {
+		stilb_log("--light-tolerance is of --lighting auto, clustered, tiled-deferred and deferred by cells; take one");
+		return false;
+	}
+	if (p->light_lists == STILB_RENDER_LIGHT_LISTS_COMPUTE && p->light_tolerance > 0.0f) {
+		stilb_log("--light-tolerance shortens lists by jobs alone; leave out --light-lists compute");
+		return false;
+	}
+	if (p->shadow_samples != 1 && p->shadow_samples != 4 && p->shadow_samples != 16 && p->shadow_samples != 36) {
+		stilb_log("--shadow-samples: %" PRIu64 " are not possible; give 1, 4, 16 or 36", p->shadow_samples);
+		return false;
+	}
+	if (p->cascade_size & (p->cascade_size - 1)) {
+		stilb_log("--cascade-size: %" PRIu64 " is not a power of two; give 512, 1024, 2048, ...", p->cascade_size);
+		return false;
+	}
+	if (!surfaces && p->gbuffer != 0) {
+		stilb_log("--gbuffer is of --lighting deferred and tiled-deferred; give one of these, too");
+		return false;
+	}
+	return true;
+}
+
+static bool picture_check_post(const picture_flags *p)
+{
+	if (p->occlusion > 0.0f && p->samples > 1) {
+		stilb_log("--ao has one sample a pixel; leave out --msaa");
 		return false;
 	}
 	return true;
@@ -359,7 +440,7 @@ bool picture_flags_check(const picture_flags *p)
 		stilb_log("--msaa: %" PRIu64 " samples are not possible; give 1 or 4", p->samples);
 		return false;
 	}
-	if (!picture_check_lighting(p))
+	if (!picture_check_lighting(p) || !picture_check_post(p))
 		return false;
 	if (!(p->detail_error >= PICTURE_ERROR_LEAST)) {
 		stilb_log("--lod-error: %g pixels are not possible; give 0.01..%d, or --lod off", (double)p->detail_error,

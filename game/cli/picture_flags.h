@@ -26,11 +26,22 @@ typedef enum picture_studio {
 } picture_studio;
 
 typedef struct picture_flags {
-	int device, replay, materials;               /* a stilb_render_device_kind, _replay_mode and _materials */
-	int specular_aa;                             /* a stilb_render_specular_aa */
-	int lighting, coverage, gbuffer;             /* a stilb_render_lighting, _coverage and _gbuffer */
+	int device, replay, materials;     /* a stilb_render_device_kind, _replay_mode and _materials */
+	int specular_aa;                   /* a stilb_render_specular_aa */
+	int lighting, coverage, gbuffer;   /* a stilb_render_lighting, _coverage and _gbuffer */
+	int light_lists;                   /* a stilb_render_light_lists */
+	float light_tolerance, light_fade; /* a share of display white; pixels */
+	int ambient;                       /* a stilb_render_ambient */
+	int shadows;                       /* a stilb_engine_shadow_kind */
+	int shadow_faces;                  /* a stilb_engine_shadow_faces */
+	uint64_t cascades, cascade_size;   /* 0 if not given */
+	uint64_t shadow_samples;
+	float shadow_distance;                       /* metres */
 	uint64_t samples;                            /* 0 if not given */
 	uint64_t max_anisotropy;                     /* 0 if not given */
+	float occlusion, occlusion_radius;           /* of stilb_post_settings */
+	float bloom, bloom_width;                    /* likewise */
+	int bloom_format;                            /* a stilb_post_bloom_format */
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
 	float roughness, anisotropy, wrap, specular; /* added to each material's value; NaN: the chosen BRDF's default */
 	bool validate, allow_outside, quiet;
@@ -47,13 +58,14 @@ typedef enum picture_flags_group {
 	PICTURE_COMMANDS, /* --replay, --materials: how frames are drawn; the same pixels each way */
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
 	PICTURE_SAMPLES,  /* --msaa, --max-anisotropy, --specular-aa */
-	PICTURE_LIGHTING, /* --lighting, --light-coverage, --gbuffer: the same picture each way */
+	PICTURE_LIGHTING, /* --lighting, --light-..., --gbuffer: how pixels find lights, which are left out; --ambient */
 	PICTURE_DETAIL,   /* --lod, --lod-error, --show, --show-range: what frames show, and how finely */
 	PICTURE_IMAGE,    /* --show and --show-range for images of the plan alone */
 	PICTURE_POSE,     /* --animation, --at: what of a file's scene plays */
 	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
 	PICTURE_LOOK,     /* --exposure, --studio, --background: how the picture shows the scene */
 	PICTURE_TONE,     /* --tone */
+	PICTURE_POST,     /* --bloom...: effects on the light of frames */
 	PICTURE_BRDF,     /* --brdf and the parts of --brdf microfacet */
 	PICTURE_ADDED,    /* what is added to the materials: frames alone have it */
 } picture_flags_group;

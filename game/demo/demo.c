@@ -13,10 +13,13 @@ typedef struct demo {
 	uint64_t models, seed, cameras;
 	uint64_t figures;           /* that walk between the models */
 	uint64_t lamps;             /* over the tiles */
+	bool strings;               /* the lamps hang on strings */
+	bool carried;               /* lamps that figures carry */
 	bool animate;               /* a tenth of the models moves */
 	int view;                   /* a stilb_scene_stress_view */
 	int light;                  /* a stilb_scene_stress_light, as the flag chose it; below 0: it was not given */
 	stilb_engine_choice lights; /* and as the user chooses it in the materials' window */
+	uint32_t shown;             /* the one that the scene has; UINT32_MAX: none so far */
 	stilb_scene *scene;
 	live_run *run;
 } demo;
@@ -97,6 +100,10 @@ static stilb_result demo_start(void *user, live_run *run)
 		result = stilb_scene_stress_add_figures(d->scene, (uint32_t)d->figures);
 	if (result == STILB_OK && d->lamps > 0)
 		result = stilb_scene_stress_add_lamps(d->scene, (uint32_t)d->lamps);
+	if (result == STILB_OK && d->strings)
+		stilb_scene_stress_hang_strings(d->scene);
+	if (result == STILB_OK && d->carried)
+		result = stilb_scene_stress_add_carried(d->scene);
 	/* Smaller than a thumb at arm's length they are posed less often; joints below two milliradians stand still. */
 	stilb_scene_rates rates = {.angle = 0.06f, .still = 0.002f};
 	if (result == STILB_OK && d->figures > 0 && run->options->picture.detail != STILB_RENDER_DETAIL_OFF)
@@ -111,7 +118,10 @@ static stilb_result demo_start(void *user, live_run *run)
 static void demo_update(void *user, const stilb_engine_update *update)
 {
 	demo *d = user;
-	stilb_scene_stress_set_light(d->scene, (stilb_scene_stress_light)d->lights.chosen);
+	if (d->shown != d->lights.chosen) { /* else what the window of lights has changed stays */
+		stilb_scene_stress_set_light(d->scene, (stilb_scene_stress_light)d->lights.chosen);
+		d->shown = d->lights.chosen;
+	}
 	if (d->lamps > 0)
 		stilb_scene_stress_move_lamps(d->scene, update->seconds);
 	if (d->animate)
@@ -169,7 +179,8 @@ int demo_command(int argc, char **argv)
 		"frames, 1..1000000 (headless 120, in software 30; in a window endless)",
 		&demo_keys,
 	};
-	demo d = {.options = live_options_default(), .models = 10000, .seed = 1, .cameras = 1, .light = -1};
+	demo d = {
+		.options = live_options_default(), .models = 10000, .seed = 1, .cameras = 1, .light = -1, .shown = UINT32_MAX};
 	const flag own[] = {
 		{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--models", FLAG_NUMBER, &d.models, "N", "models, 1..4000000 (10000)", 1, STILB_SCENE_MAX_MODELS, NULL},
@@ -180,10 +191,12 @@ int demo_command(int argc, char **argv)
 		{"--view", FLAG_CHOICE, &d.view, "all|half|few", "how many models the camera sees (all)", 0, 0, demo_views},
 		{"--cameras", FLAG_NUMBER, &d.cameras, "N",
 	     "cameras around the scene, each in a tile of the picture, 1..16 (1)", 1, STILB_ENGINE_MAX_CAMERAS + 1, NULL},
+		{"--carried-lights", FLAG_SWITCH, &d.carried, NULL, "each figure carries three small lamps", 0, 0, NULL},
 		{"--lights", FLAG_NUMBER, &d.lamps, "N",
 	     "coloured lamps that hang over the tiles, move and swing, 0..1000000 (0)", 0, STILB_SCENE_MAX_LAMPS, NULL},
+		{"--light-strings", FLAG_SWITCH, &d.strings, NULL, "these lamps are bulbs on strings of fifty", 0, 0, NULL},
 		{"--light-model", FLAG_CHOICE, &d.light, "NAME",
-	     "the sun, the sky alone, a kind of lamp, or night (sun; night with --lights)", 0, 0,
+	     "the sun, the sky alone, a kind of lamp, or night (sun; night with lamps)", 0, 0,
 	     stilb_scene_stress_light_names},
 	};
 	flags_result parsed = live_options_parse(&d.options, &help, own, sizeof own / sizeof *own, argc, argv);
@@ -191,8 +204,16 @@ int demo_command(int argc, char **argv)
 		return EXIT_DONE;
 	if (parsed == FLAGS_REFUSED || !live_options_check(&d.options))
 		return EXIT_REFUSED;
+	if (d.strings && d.lamps == 0) {
+		stilb_log("--light-strings is of --lights, the number of bulbs; give that, too");
+		return EXIT_REFUSED;
+	}
+	if (d.carried && d.figures == 0) {
+		stilb_log("--carried-lights is of --figures, which carry them; give that, too");
+		return EXIT_REFUSED;
+	}
 	if (d.light < 0)
-		d.light = d.lamps > 0 ? STILB_SCENE_STRESS_LIGHT_NIGHT : STILB_SCENE_STRESS_LIGHT_SUN;
+		d.light = d.lamps > 0 || d.carried ? STILB_SCENE_STRESS_LIGHT_NIGHT : STILB_SCENE_STRESS_LIGHT_SUN;
 	d.lights = (stilb_engine_choice){"Light", stilb_scene_stress_light_names, STILB_SCENE_STRESS_LIGHT_COUNT,
 	                                 (uint32_t)d.light, 0};
 	live_run run = {.options = &d.options, .program = &program, .user = &d, .light = &d.lights};

@@ -27,8 +27,6 @@ typedef struct info_contents {
 	float low[3], high[3]; /* the box around all vertices, metres; low > high: there are none */
 } info_contents;
 
-static const char *const info_light_names[] = {"point", "spot", "directional", "sphere", "disk", "rectangle"};
-
 static bool info_shines(const float light[3])
 {
 	return light[0] > 0.0f || light[1] > 0.0f || light[2] > 0.0f;
@@ -148,7 +146,7 @@ static void info_print_lights(FILE *out, const info_contents *c)
 	const char *comma = "  lights: ";
 	for (int i = 0; i < STILB_SCENE_LIGHT_KINDS; i++)
 		if (c->lights[i] > 0) {
-			fprintf(out, "%s%u %s", comma, c->lights[i], info_light_names[i]);
+			fprintf(out, "%s%u %s", comma, c->lights[i], stilb_scene_light_kind_names[i]);
 			comma = ", ";
 		}
 	if (c->hidden > 0) {
@@ -168,6 +166,38 @@ static void info_print_lights(FILE *out, const info_contents *c)
 		        (double)scene->surroundings.ground[1], (double)scene->surroundings.ground[2]);
 	else
 		fprintf(out, "  surroundings: black\n");
+}
+
+/* What models may differ in: the flag, words for one model, a key for JSON. */
+static const struct info_flag {
+	uint32_t flag;
+	const char *words, *key;
+} info_flags[] = {
+	{STILB_SCENE_MODEL_UNSEEN, "unseen", "unseen_models"},
+	{STILB_SCENE_MODEL_CASTS_NO_SHADOW, "without a shadow", "shadowless_models"},
+	{STILB_SCENE_MODEL_RECEIVES_NO_SHADOW, "on which no shadow falls", "unshadowed_models"},
+};
+
+static uint32_t info_flagged(const stilb_scene *scene, uint32_t bit)
+{
+	uint32_t count = 0;
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		count += (scene->model_flags[m] & bit) != 0;
+	return count;
+}
+
+static void info_print_flags(FILE *out, const stilb_scene *scene)
+{
+	const char *comma = "  models: ";
+	for (size_t i = 0; i < sizeof info_flags / sizeof *info_flags && scene->flags_used; i++) {
+		uint32_t count = info_flagged(scene, info_flags[i].flag);
+		if (count == 0)
+			continue;
+		fprintf(out, "%s%u %s", comma, count, info_flags[i].words);
+		comma = ", ";
+	}
+	if (comma[0] == ',')
+		fprintf(out, "\n");
 }
 
 static void info_print_variants(FILE *out, const stilb_scene_variants *variants)
@@ -240,6 +270,7 @@ static void info_print_scene(FILE *out, const char *name, const info_contents *c
 	        scene->texture_count, info_s(scene->texture_count));
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		info_print_texture(out, &scene->textures[i], i);
+	info_print_flags(out, scene);
 	info_print_variants(out, scene->variants);
 	info_print_animation(out, scene->animation);
 	info_print_lights(out, c);
@@ -341,6 +372,8 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	stilb_json_int(&json, "nodes", scene->nodes.count);
 	stilb_json_int(&json, "lights_on_nodes", info_mounted(scene->light_mounts, scene->light_count));
 	stilb_json_int(&json, "cameras_on_nodes", info_mounted(scene->camera_mounts, scene->camera_count));
+	for (size_t i = 0; i < sizeof info_flags / sizeof *info_flags; i++)
+		stilb_json_int(&json, info_flags[i].key, info_flagged(scene, info_flags[i].flag));
 	stilb_json_int(&json, "meshes", scene->mesh_count);
 	stilb_json_int(&json, "vertices", (int64_t)c->vertices);
 	stilb_json_int(&json, "triangles", (int64_t)c->triangles);
@@ -352,7 +385,7 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	info_json_animation(&json, scene->animation);
 	stilb_json_begin(&json, "lights", '{');
 	for (int i = 0; i < STILB_SCENE_LIGHT_KINDS; i++)
-		stilb_json_int(&json, info_light_names[i], c->lights[i]);
+		stilb_json_int(&json, stilb_scene_light_kind_names[i], c->lights[i]);
 	stilb_json_bool(&json, "environment", scene->surroundings.panorama.pixels);
 	stilb_json_bool(&json, "none", scene->unlit);
 	stilb_json_end(&json, '}');

@@ -9,7 +9,6 @@
 #include "shading/shade_brdf.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,6 +68,7 @@ static void live_add_run(live_options *o, flag_rows *table)
 	picture_flags_add(&o->picture, PICTURE_TONE, table);
 	flag_rows_add(table, materials, 1);
 	picture_flags_add(&o->picture, PICTURE_LIGHTING, table);
+	picture_flags_add(&o->picture, PICTURE_POST, table);
 	picture_flags_add(&o->picture, PICTURE_BRDF, table);
 	picture_flags_add(&o->picture, PICTURE_ADDED, table);
 }
@@ -85,6 +85,8 @@ static void live_add_windows(live_options *o, flag_rows *table)
 	     0, 0, NULL},
 		{"--clips", FLAG_SWITCH, &o->clips, NULL, "show the animation's window from the start, also in saved pictures",
 	     0, 0, NULL},
+		{"--lights-window", FLAG_SWITCH, &o->lights, NULL, "show the list of lights from the start, likewise", 0, 0,
+	     NULL},
 		{"--keys", FLAG_SWITCH, &o->keys, NULL, "show the list of keys from the start, also in saved pictures", 0, 0,
 	     NULL},
 		{"--times", FLAG_SWITCH, &o->times, NULL, "show frame rate and time, also in the picture of --screenshot", 0, 0,
@@ -127,6 +129,15 @@ static void live_add_output(live_options *o, flag_rows *table)
 	flag_rows_add(table, output, sizeof output / sizeof *output);
 }
 
+/* Those of the device's images that are drawn only if asked for (render_images.h). */
+static const char *const live_images[][2] = {
+	{"velocity", "pixels to where what is seen was in the frame before; likewise \"velocity depth\""},
+	{"surface normal", "the normal that is shaded with, on the octahedral map"},
+	{"id", "which model is seen"},
+	{"ambient", "the surroundings' light that surfaces scatter, apart from all other"},
+	{"reflection", "likewise what highlights mirror"},
+};
+
 flags_result live_options_parse(live_options *o, const live_help *help, const flag *own, size_t own_count, int argc,
                                 char **argv)
 {
@@ -144,6 +155,15 @@ flags_result live_options_parse(live_options *o, const live_help *help, const fl
 		printf("\nWhat --show shows:\n");
 		for (int i = 0; i < STILB_RENDER_SHOWS; i++)
 			printf("  %-18s %s\n", stilb_render_show_names[i], stilb_render_show_words[i]);
+		printf("\nImages that frames have for --show:\n");
+		for (size_t i = 0; i < sizeof live_images / sizeof *live_images; i++)
+			printf("  %-18s %s\n", live_images[i][0], live_images[i][1]);
+		printf("\nWays of --lighting:\n");
+		for (int i = 0; i < STILB_RENDER_LIGHTING_WAYS; i++)
+			printf("  %-18s %s\n", stilb_render_lighting_names[i], stilb_render_lighting_words[i]);
+		printf("\nKinds of --ambient:\n");
+		for (int i = 0; i < STILB_RENDER_AMBIENT_KINDS; i++)
+			printf("  %-18s %s\n", stilb_render_ambient_names[i], stilb_render_ambient_words[i]);
 		printf("\nIn the window (with a gamepad):\n");
 		live_keys_print(help->keys);
 	}
@@ -422,14 +442,31 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.lighting = (stilb_render_lighting)o->picture.lighting;
 	desc.deferred.coverage = (stilb_render_coverage)o->picture.coverage;
 	desc.deferred.gbuffer = (stilb_render_gbuffer)o->picture.gbuffer;
+	desc.light_lists = (stilb_render_light_lists)o->picture.light_lists;
+	desc.light_tolerance = o->picture.light_tolerance;
+	desc.light_fade = o->picture.light_fade;
+	desc.ambient = (stilb_render_ambient)o->picture.ambient;
+	desc.shadows = (stilb_engine_shadows){.kind = (stilb_engine_shadow_kind)o->picture.shadows,
+	                                      .cascades = (uint32_t)o->picture.cascades,
+	                                      .size = (uint32_t)o->picture.cascade_size,
+	                                      .distance = o->picture.shadow_distance,
+	                                      .faces = (stilb_engine_shadow_faces)o->picture.shadow_faces,
+	                                      .samples = (uint32_t)o->picture.shadow_samples};
+	desc.post = (stilb_post_settings){.occlusion = o->picture.occlusion,
+	                                  .occlusion_radius = o->picture.occlusion_radius,
+	                                  .bloom = o->picture.bloom,
+	                                  .bloom_width = o->picture.bloom_width,
+	                                  .bloom_format = (stilb_post_bloom_format)o->picture.bloom_format};
 	picture_shown image;
 	picture_flags_show(&o->picture, &desc.show, &image);
+	desc.ambient_apart = stilb_engine_image_is_of_one_sample(image.name);
 	bool gamepad = live_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
 	desc.control.invert_y = o->invert_y;
 	desc.control.sensitivity[2] = desc.control.sensitivity[3] = o->sensitivity;
 	desc.overlay = o->overlay;
 	desc.inspector = o->inspector;
 	desc.clips = o->clips;
+	desc.lights = o->lights;
 	desc.keys = o->keys;
 	desc.hint = !o->screenshot; /* which saves the last frame as the window shows it */
 	desc.times = o->times || (desc.window && !o->screenshot);

@@ -52,6 +52,45 @@ static void live_put_shading(stilb_json *json, stilb_render_shading shading, con
 	stilb_json_end(json, '}');
 }
 
+#define LIVE_UNSHADOWED 2u
+
+/* Names what frames show of lights without shadows, whatever maps there are. Returns how many. */
+static uint32_t live_unshadowed(const live_report *report, const char *names[LIVE_UNSHADOWED])
+{
+	const stilb_scene *scene = stilb_engine_scene(report->engine);
+	uint32_t count = 0;
+	if (stilb_engine_lighting(report->engine) == STILB_RENDER_LIGHTING_COMBINED)
+		names[count++] = "the sum of a model's further lights";
+	if (scene && scene->surroundings.panorama.pixels &&
+	    stilb_engine_ambient(report->engine) != STILB_RENDER_AMBIENT_NONE)
+		names[count++] = "the panorama's lamps";
+	return count;
+}
+
+/* What keeps lights from surfaces; of maps, those of the last frame. */
+static void live_put_shadows(stilb_json *json, const live_report *report)
+{
+	stilb_engine_shadows shadows = stilb_engine_shadows_used(report->engine);
+	stilb_json_begin(json, "shadows", '{');
+	live_put_choice(json, "kind", stilb_engine_shadow_names[shadows.kind]);
+	if (shadows.kind != STILB_ENGINE_SHADOWS_OFF) {
+		stilb_json_int(json, "cascades", shadows.cascades);
+		stilb_json_int(json, "cascade_size", shadows.size);
+		stilb_json_int(json, "samples", shadows.samples);
+		stilb_json_int(json, "maps", report->last.shadow_maps);
+		stilb_json_int(json, "drawn", report->last.shadow_maps_drawn);
+		stilb_json_int(json, "lights_left_out", report->last.shadow_lights_left);
+		stilb_json_int(json, "lights_faded_out", report->last.shadow_lights_faded);
+		const char *names[LIVE_UNSHADOWED];
+		uint32_t count = live_unshadowed(report, names);
+		stilb_json_begin(json, "unshadowed", '[');
+		for (uint32_t i = 0; i < count; i++)
+			stilb_json_string(json, NULL, names[i]);
+		stilb_json_end(json, ']');
+	}
+	stilb_json_end(json, '}');
+}
+
 static void live_put_gamepads(stilb_json *json, const live_report *report)
 {
 	stilb_engine_gamepad_counts counts = stilb_engine_gamepad_counts_get(report->engine);
@@ -72,6 +111,18 @@ static uint32_t live_models(const live_report *report)
 {
 	const stilb_scene *scene = stilb_engine_scene(report->engine);
 	return scene ? scene->model_count : 0;
+}
+
+/* Lights that a pixel asked that shows something, with --show lights. */
+static double live_lights_a_pixel(const live_report *report)
+{
+	return report->last.light_counts.lights / (double)report->last.light_counts.shown;
+}
+
+/* How often it was lit. */
+static double live_overdraw(const live_report *report)
+{
+	return report->last.light_counts.shadings / (double)report->last.light_counts.shown;
 }
 
 stilb_result live_report_save(const live_report *report)
@@ -105,6 +156,22 @@ stilb_result live_report_save(const live_report *report)
 	stilb_json_int(&json, "binds_sent", (int64_t)render->binds_sent);
 	stilb_json_end(&json, '}');
 	stilb_json_int(&json, "recorded_bytes", (int64_t)render->recorded_bytes);
+	stilb_json_begin(&json, "lights", '{');
+	stilb_json_int(&json, "shown", (int64_t)(render->lights - render->light_gone));
+	stilb_json_int(&json, "faded_out", (int64_t)render->light_gone);
+	stilb_json_int(&json, "pairs", (int64_t)render->light_pairs);
+	stilb_json_int(&json, "left_out", (int64_t)render->light_left_out);
+	if (report->last.light_counts.shown > 0) {
+		stilb_json_double(&json, "a_pixel", live_lights_a_pixel(report));
+		stilb_json_double(&json, "overdraw", live_overdraw(report));
+	}
+	if (report->last.light_error.pixels > 0) {
+		stilb_json_double(&json, "error_rms", report->last.light_error.rms);
+		stilb_json_double(&json, "error_most", report->last.light_error.most);
+		stilb_json_double(&json, "error_share", report->last.light_error.share);
+	}
+	stilb_json_end(&json, '}');
+	live_put_shadows(&json, report);
 	stilb_job_pool_stats jobs = stilb_engine_job_stats(report->engine);
 	jobs_json_put(&json, &jobs);
 	stilb_json_begin(&json, "stages", '{');
@@ -121,6 +188,27 @@ stilb_result live_report_save(const live_report *report)
 	stilb_json_string(&json, "bound", live_bound_name(live_bound(summary)));
 	stilb_json_end(&json, '}');
 	return stilb_json_save(&json, o->stats);
+}
+
+static void live_print_shadows(const live_report *report, FILE *out)
+{
+	const char *names[LIVE_UNSHADOWED];
+	stilb_engine_shadows shadows = stilb_engine_shadows_used(report->engine);
+	const stilb_engine_report *last = &report->last;
+	uint32_t count = live_unshadowed(report, names);
+	for (uint32_t i = 0; i < count && shadows.kind != STILB_ENGINE_SHADOWS_OFF; i++)
+		fprintf(out, "shadows: %s: none\n", names[i]);
+	if (shadows.kind == STILB_ENGINE_SHADOWS_OFF ||
+	    (last->shadow_maps + last->shadow_lights_left + last->shadow_lights_faded == 0))
+		return;
+	bool coarser = stilb_engine_device_is_software(report->engine) &&
+	               (report->options->picture.cascades == 0 || report->options->picture.cascade_size == 0);
+	fprintf(out, "shadows: %u maps, %u of them drawn in the last frame; %u cascades of %u texels%s\n",
+	        last->shadow_maps, last->shadow_maps_drawn, shadows.cascades, shadows.size,
+	        coarser ? " (on a GPU 4 of 2048)" : "");
+	if (last->shadow_lights_left + last->shadow_lights_faded > 0)
+		fprintf(out, "shadows: of %u lights that are seen none has room, of %u they have faded out\n",
+		        last->shadow_lights_left, last->shadow_lights_faded);
 }
 
 void live_report_print(const live_report *report)
@@ -147,6 +235,27 @@ void live_report_print(const live_report *report)
 		    (s == STAGE_PAD && summary[s].median > 0.0))
 			fprintf(out, "  %-8s %9.3f %9.3f %9.3f\n", stage_names[s], summary[s].median, summary[s].p99,
 			        summary[s].min);
+	const stilb_render_stats *render = &report->last.render;
+	if (o->picture.light_fade > 0.0f && render->lights > 0)
+		fprintf(out, "lights: %" PRIu64 ", of which %" PRIu64 " (%.1f %%) are faded out and %" PRIu64 " fade\n",
+		        render->lights, render->light_gone, 100.0 * (double)render->light_gone / (double)render->lights,
+		        render->light_faded - render->light_gone);
+	if (o->picture.light_tolerance > 0.0f)
+		fprintf(out, "lights: %" PRIu64 " pairs of light and cell, %" PRIu64 " left out\n", render->light_pairs,
+		        render->light_left_out);
+	if (report->last.light_counts.shown > 0)
+		fprintf(out, "lights: a pixel that shows something asked %.2f and was lit %.2f times\n",
+		        live_lights_a_pixel(report), live_overdraw(report));
+	if (report->last.light_counts.cut > 0)
+		fprintf(out, "lights: %" PRIu64 " pixels asked more than 65,504, which is counted\n",
+		        report->last.light_counts.cut);
+	const stilb_render_error *error = &report->last.light_error;
+	if (error->pixels > 0)
+		fprintf(out,
+		        "lights: off from forward by %.3g / 255 of white (RMS), at most by %.3g; %.3g %% of the pixels by more "
+		        "than 1\n",
+		        255.0 * error->rms, 255.0 * error->most, 100.0 * error->share);
+	live_print_shadows(report, out);
 	stage bound = live_bound(summary);
 	stilb_engine_gamepad_counts pads = stilb_engine_gamepad_counts_get(report->engine);
 	if (pads.reports > 0)

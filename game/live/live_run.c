@@ -263,6 +263,21 @@ static void live_lose_window(live_run *run)
 	          over ? "ending the run, because no window is left to close" : "running on headless");
 }
 
+/* Says once that the device's kind makes shadows coarser than elsewhere, if nobody chose how fine they are. */
+static void live_tell_shadows(live_run *run, const stilb_engine_report *report)
+{
+	const picture_flags *picture = &run->options->picture;
+	if (run->shadows_told || report->shadow_maps == 0 || !stilb_engine_device_is_software(run->engine))
+		return;
+	run->shadows_told = true;
+	stilb_engine_shadows shadows = stilb_engine_shadows_used(run->engine);
+	char text[128];
+	snprintf(text, sizeof text, "Shadows on a software device: %u cascades of %u texels; --cascades and --cascade-size",
+	         shadows.cascades, shadows.size);
+	if (picture->cascades == 0 || picture->cascade_size == 0)
+		live_run_tell(run, text);
+}
+
 static stilb_result live_frame(live_run *run, stilb_engine_report *report)
 {
 	stilb_result result = live_act(run, report); /* on the input of the frame before */
@@ -275,6 +290,7 @@ static stilb_result live_frame(live_run *run, stilb_engine_report *report)
 	if (report->drawn) {
 		run->report = *report;
 		run->frames++;
+		live_tell_shadows(run, report);
 		live_track_add(&run->track, run->engine, report);
 		if (!stage_times_add(&run->times, &report->times))
 			return stilb_fail(STILB_ERROR_MEMORY, "no memory for the times of %" PRIu64 " frames", run->frames);
@@ -342,6 +358,9 @@ static bool live_finish(live_run *run)
 		live_run_say(run, stats = live_report_save(&report), "stats", o->stats);
 	if (o->dump)
 		live_run_say(run, dump = stilb_engine_dump(run->engine, o->dump), "dump", o->dump);
+	if (o->dump && dump == STILB_OK && run->report.shadow_maps > 0)
+		fputs("dump: without shadow maps; 'stilb replay' draws the frame as --shadows off does\n",
+		      live_message_stream(o));
 	if (o->plan)
 		live_run_say(run, plan = stilb_engine_save_plan(run->engine, o->plan), "plan", o->plan);
 	if (o->track)

@@ -49,6 +49,7 @@ struct live_run {
 	bool starting;       /* set by the program: as long as it is true, a failure is one of the start (exit_code_of) */
 	bool lost;           /* the window's display has gone */
 	uint32_t slow_frame; /* number of a frame that is made 100 ms longer, a fault for tests; 0: none */
+	bool shadows_told;   /* how fine shadows are on this kind of device */
 	uint64_t titled_ns;  /* time of the title's last change */
 	stage_times times;
 	live_track track;

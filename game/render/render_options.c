@@ -114,7 +114,6 @@ static const struct {
 	{"--depth", RENDER_INDIRECT},
 	{"--roulette", RENDER_PATHS},
 	{"--only", RENDER_INDIRECT},
-	{"--no-shadows", RENDER_BIT(DIRECT)},
 	{"--fireflies", RENDER_LIT},
 	{"--denoise", RENDER_NOISY},
 	{"--brdf", RENDER_LIT},
@@ -143,6 +142,8 @@ static void options_say_unused(const offline_options *o, const flag *flags, size
 		    flags_given(flags, count, argc, argv, options_uses[i].flag))
 			stilb_log("%s is ignored: --integrator %s does not use it", options_uses[i].flag,
 			          flags_choice(text, rays_integrators[o->light.integrator]));
+	if (!o->light.shadows && o->light.integrator != STILB_GI_INTEGRATOR_DIRECT)
+		stilb_log("--shadows off is ignored: only --integrator direct can leave shadows out");
 }
 
 /* --show implies its integrator. Returns false after a line if another one is asked for, or rays do not have it. */

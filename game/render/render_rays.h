@@ -18,12 +18,12 @@
 typedef struct rays_flags {
 	int integrator; /* a stilb_gi_integrator */
 	int channel;    /* of the integrator CHANNEL: a stilb_scene_surface_channel that rays have */
-	bool no_shadows;
+	int shadows;    /* 0: off, with the integrator DIRECT */
 } rays_flags;
 
 typedef enum rays_flags_group {
 	RAYS_INTEGRATOR, /* --integrator */
-	RAYS_SHADOWS,    /* --no-shadows */
+	RAYS_SHADOWS,    /* --shadows; frames beside rays have a flag of that name, which counts for both */
 } rays_flags_group;
 
 /* The words that --integrator accepts, in the order of its enumeration; NULL-terminated. */

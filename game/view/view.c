@@ -298,6 +298,8 @@ static stilb_result view_look(view *v)
 {
 	switch (view_watch_look(&v->watch)) {
 	case VIEW_WATCH_CHANGED:
+		if (view_watch_is(&v->watch, STILB_SCENE_LIGHTS_SUFFIX) && !stilb_scene_lights_changed(v->scene))
+			return STILB_OK; /* the window of lights has saved them */
 		return view_open(v, v->name, true);
 	case VIEW_WATCH_GONE:
 		view_warn(v, "'%s' has gone; what it was stays, until there is such a file again", v->name);
@@ -366,6 +368,8 @@ static void view_title(void *user, const live_run *run, char title[static 256])
 		         100.0 * (double)stilb_engine_prepared(v->run->engine));
 	else if (v->rays.on && v->rays.plays)
 		snprintf(title, 256, "Stilb: %.120s, playing; path traced when paused", name);
+	else if (v->rays.on && v->rays.edits)
+		snprintf(title, 256, "Stilb: %.120s; path traced when the window of lights is closed", name);
 	else if (v->rays.shown)
 		snprintf(title, 256, "Stilb: %.120s, path traced", name);
 	else

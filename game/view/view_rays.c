@@ -35,7 +35,6 @@ void view_rays_add(view_rays *rays, flag_rows *table)
 	flag_rows_add(table, title, 1);
 	flag_rows_add(table, rows, sizeof rows / sizeof *rows);
 	rays_flags_add(&rays->flags, RAYS_INTEGRATOR, table);
-	rays_flags_add(&rays->flags, RAYS_SHADOWS, table);
 }
 
 /* True if frames show a channel that rays do not have, which *name is then. */
@@ -62,8 +61,6 @@ bool view_rays_check(const view *v)
 		stilb_log("--spp: without a window only --split X has rays; give it, too");
 	else if (rays->flags.integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		stilb_log("--integrator: the irradiance cache has no place beside frames; 'stilb render' has it");
-	else if (rays->flags.no_shadows && rays->flags.integrator != STILB_GI_INTEGRATOR_DIRECT)
-		stilb_log("--no-shadows needs --integrator direct");
 	else
 		return true;
 	return false;
@@ -91,6 +88,7 @@ static stilb_gi_settings rays_settings(const view *v)
 	const view_rays *rays = &v->rays;
 	const stilb_render_shading *shading = &rays->seen.shading;
 	rays_flags flags = rays->flags;
+	flags.shadows = v->options.picture.shadows != STILB_ENGINE_SHADOWS_OFF;
 	stilb_scene_surface_channel channel;
 	if (stilb_render_show_channel(rays->seen.show, &channel) && channel < STILB_SCENE_CHANNELS_OF_RAYS) {
 		flags.integrator = STILB_GI_INTEGRATOR_CHANNEL;
@@ -141,7 +139,8 @@ void view_rays_hold(view *v)
 void view_rays_give_way(view *v)
 {
 	v->rays.plays = v->scene && stilb_scene_play_counts_of(v->scene).sampled > 0;
-	if (v->rays.plays)
+	v->rays.edits = v->scene && stilb_engine_lights_shown(v->run->engine);
+	if (v->rays.plays || v->rays.edits)
 		view_rays_hold(v);
 }
 
@@ -322,8 +321,9 @@ static void rays_in_window(view *v)
 		stilb_engine_caption(v->run->engine, text);
 		return;
 	}
-	if (rays->plays) {
-		stilb_engine_caption(v->run->engine, "playing; path traced when paused");
+	if (rays->plays || rays->edits) {
+		stilb_engine_caption(v->run->engine, rays->plays ? "playing; path traced when paused"
+		                                                 : "lights are open; path traced when their window is closed");
 		return;
 	}
 	rays_take_edits(v, &seen);

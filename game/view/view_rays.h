@@ -28,6 +28,7 @@ typedef struct view_rays {
 	view_trace *trace;   /* of the scene; NULL: none */
 	bool held;           /* the scene may be edited */
 	bool plays;          /* a clip has moved the scene in this frame */
+	bool edits;          /* the window of lights is open */
 	uint64_t begun_ns;   /* when the trace began, and then the picture */
 	view_seen seen;      /* in the last frame */
 	uint64_t changed_ns; /* when that was other than in the frame before */

@@ -92,6 +92,7 @@ static void watch_take(view_watch *watch, const struct inotify_event *event, vie
 	bool gone = event->mask & (IN_MOVED_FROM | IN_DELETE);
 	if (which == watch->file_count || (gone && which > 0))
 		return;
+	watch->which = watch->due_ns == 0 || watch->which == which ? which : 0;
 	if (which == 0)
 		*news = gone ? VIEW_WATCH_GONE : VIEW_WATCH_NOTHING;
 	watch->due_ns = gone ? 0 : stilb_time_ns() + WATCH_QUIET_NS;
@@ -113,6 +114,16 @@ view_watch_news view_watch_look(view_watch *watch)
 		return news;
 	watch->due_ns = 0;
 	return VIEW_WATCH_CHANGED;
+}
+
+bool view_watch_is(const view_watch *watch, const char *ending)
+{
+	STILB_ASSERT(watch && ending);
+	if (watch->which == 0 || watch->which >= watch->file_count)
+		return false;
+	const char *name = watch->files[watch->which].name;
+	size_t length = strlen(name), end = strlen(ending);
+	return length >= end && strcmp(name + length - end, ending) == 0;
 }
 
 /* ---- neighbours -------------------------------------------------------------------------------------------------- */

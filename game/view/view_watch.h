@@ -18,9 +18,11 @@ typedef struct view_watch_file {
 } view_watch_file;
 
 typedef struct view_watch {
-	int notify;             /* an inotify descriptor for the files' folders; -1: nothing is watched */
-	view_watch_file *files; /* [file_count] the first is the scene's, the others are those that it names */
+	int notify; /* an inotify descriptor for the files' folders; -1: nothing is watched */
+	view_watch_file
+		*files; /* [file_count] the first is the scene's, the others are those that it names or that stand beside it */
 	uint32_t file_count;
+	uint32_t which;  /* the file that has changed, if it is a single one, else 0; while due_ns is not 0 */
 	uint64_t due_ns; /* time at which a change is reported, unless another one comes before; 0: there was none */
 } view_watch;
 
@@ -41,6 +43,9 @@ void view_watch_add(view_watch *watch, const char *path);
 
 /* What has happened since the last look. Does not wait. */
 view_watch_news view_watch_look(view_watch *watch);
+
+/* True if what the last look has told to be changed is a single file beside the scene's own, whose name ends so. */
+bool view_watch_is(const view_watch *watch, const char *ending);
 
 void view_watch_finish(view_watch *watch);
 

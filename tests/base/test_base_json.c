@@ -3,6 +3,7 @@
 #include "support/json_flat.h"
 #include "support/test.h"
 
+#include <float.h>
 #include <locale.h>
 #include <math.h>
 #include <stdio.h>
@@ -144,9 +145,24 @@ static void number_is(double value, const char *text)
 	assert_value("", '0', text);
 }
 
+static void float_is(float value, const char *text)
+{
+	stilb_json json = {0};
+	stilb_json_float(&json, NULL, value);
+	read_back(&json);
+	assert_value("", '0', text);
+	assert_true(!isfinite(value) || strtof(text, NULL) == value);
+}
+
 static void test_numbers(void **state)
 {
 	(void)state;
+	float_is(0.1f, "0.100000001");
+	float_is(-3e-20f, "-2.9999999e-20");
+	float_is(16777217.0f, "16777216");
+	float_is(FLT_MAX, "3.40282347e+38");
+	float_is(NAN, "0");
+	float_is(INFINITY, "0");
 	number_is(0.0, "0.000000");
 	number_is(-0.0, "0.000000");
 	number_is(1.5, "1.500000");

@@ -212,6 +212,25 @@ static void test_frustum_planes_are_named(void **state)
 	}
 }
 
+/* A sphere that touches a plane from outside may be seen, one that does not reach it is not, nor one of no radius. */
+static void test_frustum_may_see_spheres(void **state)
+{
+	(void)state;
+	stilb_mat4 matrix = stilb_mat4_perspective(0.5f * PI, 1.0f, 1.0f, 100.0f);
+	stilb_frustum frustum = stilb_frustum_from_matrix(&matrix);
+	float s = sqrtf(0.5f);
+	assert_true(stilb_frustum_may_see(&frustum, (stilb_sphere){0.0f, 0.0f, -50.0f, 0.0f}));
+	assert_false(stilb_frustum_may_see(&frustum, (stilb_sphere){0.0f, 0.0f, -50.0f, (float)NAN}));
+	for (int p = 0; p < 6; p++) {
+		const float away[6] = {10.0f / s, 10.0f / s, 10.0f / s, 10.0f / s, 10.0f, 10.0f};
+		float x = p == 0 ? -50.0f - away[0] : p == 1 ? 50.0f + away[1] : 0.0f;
+		float y = p == 2 ? -50.0f - away[2] : p == 3 ? 50.0f + away[3] : 0.0f;
+		float z = p == 4 ? -1.0f + away[4] : p == 5 ? -100.0f - away[5] : -50.0f;
+		assert_true(stilb_frustum_may_see(&frustum, (stilb_sphere){x, y, z, 10.01f}));
+		assert_false(stilb_frustum_may_see(&frustum, (stilb_sphere){x, y, z, 9.99f}));
+	}
+}
+
 /* An infinite projection has no far plane: row 2 is (0, 0, 0, near), true everywhere and not NaN. */
 static void test_frustum_without_far_plane(void **state)
 {
@@ -223,18 +242,48 @@ static void test_frustum_without_far_plane(void **state)
 	assert_false(plane_at(frustum.planes[4], 0.0f, 0.0f, -0.05f) >= 0.0f);
 }
 
+/* Times its matrix it is the identity, also of matrices with very large or small numbers; of one without an inverse
+ * it is all zeros. */
+static void test_inverse(void **state)
+{
+	(void)state;
+	const float scales[3] = {1.0f, 1e-12f, 1e12f};
+	for (uint32_t k = 0; k < 300; k++) {
+		stilb_mat4 m;
+		float scale = scales[k % 3];
+		for (uint32_t i = 0; i < 16; i++)
+			m.m[i] = scale * (2.0f * stilb_random_float(9, 16 * k + i) - 1.0f + (i % 5 == 0 ? 3.0f : 0.0f));
+		stilb_mat4 inverse = stilb_mat4_inverse(&m);
+		for (int row = 0; row < 4; row++)
+			for (int column = 0; column < 4; column++) {
+				double sum = 0.0;
+				for (int i = 0; i < 4; i++)
+					sum += (double)inverse.m[4 * i + row] * (double)m.m[4 * column + i];
+				assert_true(fabs(sum - (row == column)) < 1e-5);
+			}
+	}
+	stilb_mat4 flat = stilb_mat4_identity(), zero = {0};
+	flat.m[5] = 0.0f;
+	stilb_mat4 none = stilb_mat4_inverse(&flat);
+	assert_memory_equal(&none, &zero, sizeof zero);
+	none = stilb_mat4_inverse(&zero);
+	assert_memory_equal(&none, &zero, sizeof zero);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_vectors),
 		cmocka_unit_test(test_identity_and_scale_translate),
 		cmocka_unit_test(test_multiply_lets_the_right_factor_act_first),
+		cmocka_unit_test(test_inverse),
 		cmocka_unit_test(test_view_directions),
 		cmocka_unit_test(test_view_is_rigid),
 		cmocka_unit_test(test_perspective_points),
 		cmocka_unit_test(test_frustum_against_clip_space),
 		cmocka_unit_test(test_frustum_planes_are_named),
 		cmocka_unit_test(test_frustum_without_far_plane),
+		cmocka_unit_test(test_frustum_may_see_spheres),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -72,6 +72,14 @@ static void call_on_another_thread(void *(*call)(void *engine), stilb_engine *en
 	pthread_join(thread, NULL);
 }
 
+static void create_with_shadows(stilb_engine_shadows shadows)
+{
+	stilb_engine_desc desc = null_desc();
+	stilb_engine *engine;
+	desc.shadows = shadows;
+	stilb_engine_create(&desc, &engine);
+}
+
 static void create_with_replay_of_nothing(void)
 {
 	stilb_engine_desc desc = null_desc();
@@ -86,6 +94,13 @@ static void engines(void **state)
 	contract_breaks("desc && out", stilb_engine_create(NULL, NULL));
 	contract_breaks("desc->gamepad_recording", create_with_replay_of_nothing());
 	contract_breaks("one window", create_with_two_windows());
+	contract_breaks("shadows->kind < STILB_ENGINE_SHADOWS_COUNT",
+	                create_with_shadows((stilb_engine_shadows){.kind = STILB_ENGINE_SHADOWS_COUNT}));
+	contract_breaks("shadows->cascades <=", create_with_shadows((stilb_engine_shadows){.cascades = 9}));
+	contract_breaks("size <= 8192", create_with_shadows((stilb_engine_shadows){.size = 1000}));
+	contract_breaks("shadows->distance >= 0.0f", create_with_shadows((stilb_engine_shadows){.distance = -1.0f}));
+	contract_breaks("isfinite", create_with_shadows((stilb_engine_shadows){.distance = INFINITY}));
+	contract_breaks("samples == 36", create_with_shadows((stilb_engine_shadows){.samples = 9}));
 	stilb_engine *engine = make();
 	contract_breaks("called on the owner's thread", call_on_another_thread(frame_of, engine));
 	contract_breaks("called on the owner's thread", call_on_another_thread(capture_of, engine));

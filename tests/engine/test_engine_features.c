@@ -27,6 +27,8 @@ static const photograph_push look = {{1.5f, 1.0f, 0.5f, 1.0f}, 0.5f};
 
 static stilb_scene *scene;
 
+static bool apart; /* stilb_engine_desc.ambient_apart of engines that open */
+
 static stilb_engine *open_engine(uint32_t samples, stilb_render_output output)
 {
 	stilb_engine *engine;
@@ -35,6 +37,7 @@ static stilb_engine *open_engine(uint32_t samples, stilb_render_output output)
 	desc.height = HEIGHT;
 	desc.samples = samples;
 	desc.output = output;
+	desc.ambient_apart = apart;
 	desc.validate = true;
 	desc.workers = 1;
 	if (stilb_engine_create(&desc, &engine) != STILB_OK)
@@ -117,6 +120,20 @@ static stilb_result add_light(void *user, stilb_gpu_plan *plan, uint16_t *image)
 	if (s->result == STILB_OK)
 		add_photograph(s, plan, "photograph", image);
 	return s->result == STILB_OK ? STILB_OK : stilb_fail(s->result, "no film in the camera");
+}
+
+static stilb_result add_ambient(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	(void)plan;
+	note(user, STILB_RENDER_STAGE_AMBIENT, *image);
+	return STILB_OK;
+}
+
+static stilb_result add_reflection(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	(void)plan;
+	note(user, STILB_RENDER_STAGE_REFLECTION, *image);
+	return STILB_OK;
 }
 
 static stilb_result add_picture(void *user, stilb_gpu_plan *plan, uint16_t *image)
@@ -245,11 +262,15 @@ static void stages_come_in_their_order(void **state)
 {
 	(void)state;
 	stages s;
+	apart = true;
 	stilb_engine *engine = open_engine(1, STILB_RENDER_OUTPUT_LINEAR);
+	apart = false;
 	make_programs(engine, &s);
 	add(engine, &s, STILB_RENDER_STAGE_LAST, add_last);
 	add(engine, &s, STILB_RENDER_STAGE_PICTURE, add_picture);
 	add(engine, &s, STILB_RENDER_STAGE_LIGHT, add_light);
+	add(engine, &s, STILB_RENDER_STAGE_REFLECTION, add_reflection);
+	add(engine, &s, STILB_RENDER_STAGE_AMBIENT, add_ambient);
 	add(engine, &s, STILB_RENDER_STAGE_FIRST, add_first);
 	add(engine, &s, STILB_RENDER_STAGE_LIGHT, add_meter);
 	assert_int_equal(draw(engine), STILB_OK);
@@ -258,6 +279,8 @@ static void stages_come_in_their_order(void **state)
 		assert_int_equal(s.order[i], i);
 	const stilb_gpu_plan *plan = stilb_engine_plan(engine);
 	assert_int_equal(s.images[STILB_RENDER_STAGE_FIRST], 0);
+	assert_int_equal(s.images[STILB_RENDER_STAGE_AMBIENT], stilb_gpu_plan_find(plan, "ambient"));
+	assert_int_equal(s.images[STILB_RENDER_STAGE_REFLECTION], stilb_gpu_plan_find(plan, "reflection"));
 	assert_int_equal(s.images[STILB_RENDER_STAGE_LIGHT], stilb_gpu_plan_find(plan, "color"));
 	assert_int_equal(s.images[STILB_RENDER_STAGE_PICTURE], stilb_gpu_plan_find(plan, "picture"));
 	assert_int_equal(s.images[STILB_RENDER_STAGE_LAST], stilb_gpu_plan_find(plan, "photograph of the picture"));
@@ -339,10 +362,13 @@ static void what_is_wrong_is_said(void **state)
 	}
 	stilb_engine_remove_feature(engine, &s);
 	stilb_render_feature feature = {STILB_RENDER_STAGE_FIRST, add_first, &s};
-	for (uint32_t f = 0; f < STILB_RENDER_MAX_FEATURES; f++)
+	for (uint32_t f = 0; f < STILB_ENGINE_MAX_FEATURES; f++)
 		assert_int_equal(stilb_engine_add_feature(engine, &feature), STILB_OK);
-	assert_int_equal(stilb_engine_add_feature(engine, &feature), STILB_ERROR_ARGUMENT);
-	assert_non_null(strstr(stilb_error_message(), "32 features already"));
+	stilb_result result = STILB_OK;
+	for (uint32_t f = STILB_ENGINE_MAX_FEATURES; f < STILB_RENDER_MAX_FEATURES && result == STILB_OK; f++)
+		result = stilb_engine_add_feature(engine, &feature); /* what the engine does not need, a program may have */
+	assert_int_equal(result, STILB_ERROR_ARGUMENT);
+	assert_non_null(strstr(stilb_error_message(), "features already"));
 	stilb_engine_remove_feature(engine, &s);
 	assert_int_equal(draw(engine), STILB_OK);
 	close_engine(engine);

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #define WIDTH 700u
-#define HEIGHT 400u
+#define HEIGHT 440u
 
 static stilb_engine *engine;
 static uint32_t width = WIDTH, height = HEIGHT; /* of the picture, at most these */

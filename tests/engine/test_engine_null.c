@@ -400,12 +400,43 @@ static void lights_are_the_scenes(void **state)
 		assert_int_equal(engine->views[0].light_count, 1);
 		assert_memory_equal(engine->views[0].lights, &light, sizeof light);
 	}
+	for (uint32_t flags = STILB_SCENE_MODEL_FLAGS + 1; flags-- > 0;) { /* an unseen model is not recorded */
+		assert_int_equal(stilb_scene_set_model_flags(scene, 0, flags), STILB_OK);
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		assert_int_equal(report.visible, flags & STILB_SCENE_MODEL_UNSEEN ? 0 : 1);
+		assert_int_equal(report.render.draws, report.visible);
+	}
 	assert_int_equal(stilb_engine_dump(engine, "test_engine_null.dump"), STILB_OK);
 	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
 	assert_int_equal(stilb_engine_dump(engine, "test_engine_null.dump"), STILB_ERROR_ARGUMENT);
 	remove("test_engine_null.dump");
 	stilb_engine_destroy(engine);
 	stilb_scene_destroy(scene);
+}
+
+/* The cameras' views draw models that are seen, the views of shadow maps those that cast shadows. */
+static void views_draw_by_flags(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = null_desc(1);
+	stilb_engine_report report;
+	stress.models = 1;
+	stress.animate = false;
+	stress.view = STILB_SCENE_VIEW_ALL;
+	desc.shadows.kind = STILB_ENGINE_SHADOWS_MAP;
+	stilb_engine *engine = make_engine(&desc);
+	stilb_scene *scene = stilb_engine_scene(engine);
+	for (uint32_t flags = STILB_SCENE_MODEL_FLAGS + 1; flags-- > 0;) {
+		assert_int_equal(stilb_scene_set_model_flags(scene, 0, flags), STILB_OK);
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		uint32_t seen = 0, casts = 0; /* summed over the views of each kind; not every map holds the model */
+		for (uint32_t v = 0; v < engine->view_count; v++)
+			*(engine->views[v].shadow ? &casts : &seen) += engine->visible[v].count;
+		assert_true(engine->view_count > 1 && engine->views[engine->view_count - 1].shadow);
+		assert_int_equal(seen > 0, !(flags & STILB_SCENE_MODEL_UNSEEN));
+		assert_int_equal(casts > 0, !(flags & STILB_SCENE_MODEL_CASTS_NO_SHADOW));
+	}
+	stress_engine_destroy(engine);
 }
 
 /* Lets each allocation of the engine's creation and of its first frames fail once. Memory that is then not freed is
@@ -461,6 +492,7 @@ int main(void)
 		cmocka_unit_test(no_memory_anywhere),
 		cmocka_unit_test(scenes_take_turns),
 		cmocka_unit_test(lights_are_the_scenes),
+		cmocka_unit_test(views_draw_by_flags),
 		cmocka_unit_test(reference_no_third_party),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -240,6 +240,28 @@ static void keys_go_through_the_ways_of_lighting(void **state)
 	stress_engine_destroy(engine);
 }
 
+/* What lights in place of the surroundings holds from the next frame on. */
+static void ambient_light_is_switched(void **state)
+{
+	(void)state;
+	stilb_engine *engine = make_engine(STILB_RENDER_OUTPUT_DISPLAY);
+	uint64_t draws;
+	assert_int_equal(stilb_engine_ambient(engine), STILB_RENDER_AMBIENT_ENVIRONMENT);
+	stilb_image before = draw(engine, &draws);
+	stilb_engine_set_ambient(engine, STILB_RENDER_AMBIENT_NONE);
+	assert_int_equal(stilb_engine_ambient(engine), STILB_RENDER_AMBIENT_NONE);
+	stilb_image dark = draw(engine, &draws);
+	stilb_engine_set_ambient(engine, STILB_RENDER_AMBIENT_ENVIRONMENT);
+	stilb_image after = draw(engine, &draws);
+	assert_memory_not_equal(before.pixels, dark.pixels, stilb_image_size(&before));
+	assert_memory_equal(before.pixels, after.pixels, stilb_image_size(&before));
+	assert_int_equal(stilb_engine_validation_messages(engine), 0);
+	stilb_image_finish(&before);
+	stilb_image_finish(&dark);
+	stilb_image_finish(&after);
+	stress_engine_destroy(engine);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
@@ -248,6 +270,7 @@ int main(void)
 		cmocka_unit_test(value_under_the_pointer),
 		cmocka_unit_test(keys_go_through_the_channels),
 		cmocka_unit_test(keys_go_through_the_ways_of_lighting),
+		cmocka_unit_test(ambient_light_is_switched),
 	};
 	return cmocka_run_group_tests(tests, make_radiance, NULL);
 }

@@ -17,11 +17,16 @@
 #define HEIGHT 64
 #define SIDE 2100u /* of a texture, pixels: 16.8 MiB with four channels, which take more than one frame */
 
+static bool apart;    /* stilb_engine_desc.ambient_apart of engines that are made */
+static bool shadowed; /* likewise: they have shadow maps */
+
 static stilb_engine *make_engine_with(stilb_engine_textures textures)
 {
 	stilb_engine *engine;
 	stilb_engine_desc desc = stilb_engine_desc_default();
 	desc.textures = textures;
+	desc.ambient_apart = apart;
+	desc.shadows.kind = shadowed ? STILB_ENGINE_SHADOWS_MAP : STILB_ENGINE_SHADOWS_OFF;
 	desc.workers = 1;
 	desc.width = WIDTH;
 	desc.height = HEIGHT;
@@ -182,6 +187,60 @@ static void pipelines_are_made_ahead(void **state)
 	stilb_engine_destroy(engine);
 	stilb_scene_destroy(scene);
 }
+
+/* A frame in which the last lamp with shadow maps is no longer seen compiles nothing, nor does the one where it comes
+ * back. */
+static void lamps_come_and_go(void **state)
+{
+	(void)state;
+	shadowed = true;
+	stilb_engine *engine = make_engine();
+	shadowed = false;
+	stilb_engine_report report;
+	stilb_scene *scene = make_scene(9);
+	stilb_scene_light lamp = {.kind = STILB_SCENE_LIGHT_POINT,
+	                          .position = {0.0f, 4.0f, 0.0f},
+	                          .intensity = {9, 9, 9},
+	                          .falloff = STILB_SCENE_LIGHT_WINDOWED,
+	                          .reach = 6.0f};
+	for (int i = 0, before = 0; i < 3; i++) {
+		lamp.position[1] = i == 1 ? 1e6f : 4.0f;
+		assert_int_equal(stilb_scene_set_lights(scene, &lamp, 1), STILB_OK);
+		if (i == 0)
+			assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		assert_int_equal(report.shadow_maps, i == 1 ? 0 : 6);
+		if (i > 0)
+			assert_int_equal(pipeline_count, before);
+		before = pipeline_count;
+	}
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+}
+
+/* Likewise where the surroundings' light is drawn apart. */
+static void pipelines_of_parts_are_made_ahead(void **state)
+{
+	world *w = *state;
+	apart = true;
+	stilb_engine *engine = make_engine();
+	apart = false;
+	stilb_engine_report report;
+	stilb_scene *scene = make_scene(9);
+	scene->both_sides = true;
+	assert_int_equal(stilb_engine_set_scene(engine, w->scenes[0]), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(stilb_engine_prepare(engine, scene), STILB_OK);
+	while (stilb_engine_prepared(engine) < 1.0f)
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	int before = pipeline_count;
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(pipeline_count, before);
+	assert_int_not_equal(stilb_gpu_plan_find(stilb_engine_plan(engine), "ambient"), 0);
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+}
 #endif
 
 /* After some frames, which copied a part of it: set all the same, given up, another one instead, the engine's end. */
@@ -269,6 +328,8 @@ int main(void)
 		cmocka_unit_test(a_scene_is_made_ready),
 #if PREPARE_DEVICE_DRAWS
 		cmocka_unit_test(pipelines_are_made_ahead),
+		cmocka_unit_test(pipelines_of_parts_are_made_ahead),
+		cmocka_unit_test(lamps_come_and_go),
 #endif
 		cmocka_unit_test(at_any_moment),
 		cmocka_unit_test(an_error_is_told),

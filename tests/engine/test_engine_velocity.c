@@ -1,11 +1,12 @@
-/* The image of velocities: each pixel's is that of the point that it shows, which this test finds by itself, in double,
- * from the vertices, transforms and cameras of two frames. */
+/* The images of velocities, depth, normals and models: each pixel's is that of the point that it shows, which this test
+ * finds by itself, in double, from the vertices, transforms and cameras of two frames. */
 #include "engine_internal.h"
 #include "geometry/geometry_impostor.h"
 #include "render/device/render_images.h"
 #include "render/render_internal.h"
 #include "scene/edit/scene_edit.h"
 #include "scene/play/scene_play.h"
+#include "shading/shade_impostor.h"
 #include "support/test.h"
 
 #include <math.h>
@@ -89,7 +90,7 @@ static void moment_project(const moment *m, uint32_t part, const double local[3]
 typedef struct truth {
 	double near[SAMPLES]; /* 1 / w of what is seen; 0: nothing */
 	uint32_t part[SAMPLES];
-	double velocity[2];
+	double velocity[2], depth, normal[3]; /* in the middle */
 } truth;
 
 static truth found[HEIGHT][WIDTH];
@@ -113,6 +114,29 @@ static double side_of(const double a[2], const double b[2], const double p[2])
 	return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
 }
 
+/* The unit normal of a part's triangle, between its corners. */
+static void find_normal(const stage *s, uint32_t part, const uint32_t corners[3], const double weights[3],
+                        double out[3])
+{
+	const float *m = s->now.parts[part].m; /* its columns */
+	const stilb_scene_vertex *vertices = s->scene->meshes[s->scene->part_mesh[part]].vertices;
+	double n[3] = {0, 0, 0}, length = 0.0;
+	for (int c = 0; c < 3; c++)
+		for (int i = 0; i < 3; i++)
+			n[i] += weights[c] * (double)vertices[corners[c]].normal[i];
+	for (int i = 0; i < 3; i++) { /* by the cofactors */
+		out[i] = 0.0;
+		for (int k = 0; k < 3; k++) {
+			int a = (i + 1) % 3, b = (i + 2) % 3, c = (k + 1) % 3, d = (k + 2) % 3;
+			out[i] +=
+				((double)m[4 * c + a] * (double)m[4 * d + b] - (double)m[4 * c + b] * (double)m[4 * d + a]) * n[k];
+		}
+		length += out[i] * out[i];
+	}
+	for (int i = 0; i < 3; i++)
+		out[i] /= sqrt(length);
+}
+
 /* A triangle of a part: sets what its samples see where it is the nearest. */
 static void find_triangle(const stage *s, uint32_t part, const uint32_t corners[3])
 {
@@ -129,7 +153,7 @@ static void find_triangle(const stage *s, uint32_t part, const uint32_t corners[
 		pixels_of(clip[c], at[c]);
 	}
 	double area = side_of(at[0], at[1], at[2]);
-	if (fabs(area) < 1e-12)
+	if (area > -1e-12) /* seen from behind */
 		return;
 	int left = (int)floor(fmin(at[0][0], fmin(at[1][0], at[2][0]))) - 1;
 	int right = (int)ceil(fmax(at[0][0], fmax(at[1][0], at[2][0]))) + 1;
@@ -160,6 +184,15 @@ static void find_triangle(const stage *s, uint32_t part, const uint32_t corners[
 				pixels_of(to, then);
 				for (int i = 0; sample == 0 && i < 2; i++)
 					t->velocity[i] = then[i] - place[i];
+				if (sample > 0)
+					continue;
+				double weights[3];
+				t->depth = 0.0;
+				for (int c = 0; c < 3; c++) {
+					weights[c] = share[c] / clip[c][3] / near;
+					t->depth += share[c] * clip[c][2] / clip[c][3];
+				}
+				find_normal(s, part, corners, weights, t->normal);
 			}
 }
 
@@ -193,8 +226,8 @@ static void find_all(const stage *s)
 			find_far(s, x, y);
 	for (uint32_t m = 0; m < scene->model_count; m++)
 		for (uint32_t p = scene->first_part[m]; p < scene->first_part[m + 1]; p++) {
-			if (scene->part_material[p] == s->hidden)
-				continue;
+			if (scene->part_material[p] == s->hidden || isnan(scene->bounds.radius[m]))
+				continue; /* the latter: the scene does not show it */
 			const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[p]];
 			for (uint32_t i = 0; i < mesh->index_count; i += 3)
 				find_triangle(s, p, mesh->indices + i);
@@ -223,7 +256,9 @@ static void stage_move(void *user, const stilb_engine_update *update)
 	}
 }
 
-static stilb_render_detail detail; /* of stages that open */
+static stilb_render_detail detail; /* of stages that open; likewise the next two */
+static stilb_render_lighting lighting;
+static bool surfaces; /* normals and models, too */
 
 static void stage_open(stage *s, uint32_t workers, uint32_t samples, bool velocity)
 {
@@ -236,6 +271,8 @@ static void stage_open(stage *s, uint32_t workers, uint32_t samples, bool veloci
 	desc.validate = true;
 	desc.profile = false;
 	desc.velocity = velocity;
+	desc.surfaces = surfaces;
+	desc.lighting = lighting;
 	desc.detail = detail;
 	desc.update = stage_move;
 	desc.user = s;
@@ -305,7 +342,8 @@ static double half_of(uint16_t bits)
 
 static double shown[HEIGHT][WIDTH][2];
 
-static void stage_read(stage *s, const char *name)
+/* A copy of an image of the last frame. */
+static void stage_copy(stage *s, const char *name, size_t size, void *out)
 {
 	stilb_gpu *gpu = stilb_engine_gpu(s->engine);
 	const stilb_gpu_plan *plan = stilb_engine_plan(s->engine);
@@ -315,10 +353,16 @@ static void stage_read(stage *s, const char *name)
 	assert_int_not_equal(image, 0);
 	assert_int_equal(stilb_gpu_read_begin(gpu, plan, image, 0, 0, &ticket), STILB_OK);
 	assert_int_equal(stilb_gpu_read_get(gpu, ticket, true, &bytes, &frame), STILB_OK);
-	const uint16_t *halves = bytes;
+	memcpy(out, bytes, size);
+	stilb_gpu_read_end(gpu, ticket);
+}
+
+static void stage_read(stage *s, const char *name)
+{
+	static uint16_t halves[2 * WIDTH * HEIGHT];
+	stage_copy(s, name, sizeof halves, halves);
 	for (uint32_t i = 0; i < 2 * WIDTH * HEIGHT; i++)
 		(&shown[0][0][0])[i] = half_of(halves[i]);
-	stilb_gpu_read_end(gpu, ticket);
 }
 
 /* What a comparison met. */
@@ -326,6 +370,16 @@ typedef struct outcome {
 	uint32_t clear, moving; /* pixels away from edges; of these those of models that are somewhere else than before */
 	double worst;           /* pixels */
 } outcome;
+
+/* True if no edge is near the pixel. */
+static bool is_clear(const truth *t)
+{
+	bool clear = true;
+	for (uint32_t i = 1; i < SAMPLES; i++)
+		clear &= (t->near[i] > 0.0) == (t->near[0] > 0.0) &&
+		         fabs(t->near[i] - t->near[0]) < 0.01 * t->near[0] + 1e-12 && t->part[i] == t->part[0];
+	return clear;
+}
 
 /* Compares what the last frame has drawn with the truth. */
 static outcome stage_compare(stage *s)
@@ -336,11 +390,7 @@ static outcome stage_compare(stage *s)
 	for (uint32_t y = 0; y < HEIGHT; y++)
 		for (uint32_t x = 0; x < WIDTH; x++) {
 			const truth *t = &found[y][x];
-			bool clear = true;
-			for (uint32_t i = 1; i < SAMPLES; i++)
-				clear &= (t->near[i] > 0.0) == (t->near[0] > 0.0) &&
-				         fabs(t->near[i] - t->near[0]) < 0.01 * t->near[0] + 1e-12 && t->part[i] == t->part[0];
-			if (!clear || (s->levels && (t->near[0] == 0.0 || t->part[0] >= s->scene->first_part[1])))
+			if (!is_clear(t) || (s->levels && (t->near[0] == 0.0 || t->part[0] >= s->scene->first_part[1])))
 				continue;
 			double away = hypot(shown[y][x][0] - t->velocity[0], shown[y][x][1] - t->velocity[1]);
 			o.clear++;
@@ -348,6 +398,45 @@ static outcome stage_compare(stage *s)
 			o.worst = away > o.worst ? away : o.worst;
 		}
 	return o;
+}
+
+/* The scene's model of a part. */
+static uint32_t model_of(const stage *s, uint32_t part)
+{
+	uint32_t m = 0;
+	while (s->scene->first_part[m + 1] <= part)
+		m++;
+	return m;
+}
+
+/* Compares normals, models and depth with the truth that stage_compare has found. Normals have 16 bits on their map,
+ * and 2^-16 in meshes that are packed; those of coarse balls are bent towards the viewer where they look away. */
+static void stage_compare_surfaces(stage *s)
+{
+	static uint16_t normals[HEIGHT][WIDTH][2];
+	static uint32_t ids[HEIGHT][WIDTH];
+	static float depths[HEIGHT][WIDTH];
+	stage_copy(s, STILB_RENDER_IMAGE_SURFACE_NORMAL, sizeof normals, normals);
+	stage_copy(s, STILB_RENDER_IMAGE_ID, sizeof ids, ids);
+	stage_copy(s, STILB_RENDER_IMAGE_VELOCITY_DEPTH, sizeof depths, depths);
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH; x++) {
+			const truth *t = &found[y][x];
+			if (!is_clear(t))
+				continue;
+			uint32_t model = t->near[0] > 0.0 ? 1 + model_of(s, t->part[0]) : 0;
+			if (ids[y][x] != model)
+				fail_msg("way %d, pixel %u, %u: model %u, not %u", lighting, x, y, ids[y][x], model);
+			if (!(fabs((double)depths[y][x] - t->depth) <= 1e-5 + 1e-4 * t->depth))
+				fail_msg("way %d, pixel %u, %u: depth %g, not %g", lighting, x, y, (double)depths[y][x], t->depth);
+			stilb_vec3 n = shade_direction_from_octahedral(
+				(stilb_vec2){(float)normals[y][x][0] / 32767.5f - 1.0f, (float)normals[y][x][1] / 32767.5f - 1.0f});
+			double along = 0.0;
+			for (int i = 0; i < 3; i++)
+				along += (double)n[i] * t->normal[i];
+			if (model > 0 && !(along >= 1.0 - 1e-6))
+				fail_msg("way %d, pixel %u, %u: a normal is off by %g radians", lighting, x, y, acos(along));
+		}
 }
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
@@ -382,6 +471,29 @@ static void all_that_moves(void **state)
 		stage_close(&it);
 	}
 	print_message("off by at most %.4f pixels\n", worst);
+}
+
+/* In every way of lighting a frame leaves the same behind. */
+static void every_way(void **state)
+{
+	(void)state;
+	surfaces = true;
+	for (int way = 0; way < STILB_RENDER_LIGHTING_WAYS; way++) {
+		lighting = (stilb_render_lighting)way;
+		stage_open(&it, 0, way == STILB_RENDER_LIGHTING_CLUSTERED ? 4 : 1, false);
+		assert_int_equal(stilb_scene_stress_add_lamps(it.scene, 12), STILB_OK);
+		stage_show(&it);
+		for (uint32_t f = 0; f < 4; f++)
+			stage_frame(&it);
+		outcome o = stage_compare(&it);
+		if (!(o.worst <= ALLOWED))
+			fail_msg("way %d: off by %g pixels", way, o.worst);
+		assert_true(o.moving > 100);
+		stage_compare_surfaces(&it);
+		stage_close(&it);
+	}
+	surfaces = false;
+	lighting = STILB_RENDER_LIGHTING_AUTO;
 }
 
 /* Figures alone: what stands still beside them has no velocity at all. */
@@ -495,8 +607,8 @@ static void pictures_stay(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(all_that_moves), cmocka_unit_test(figures_alone), cmocka_unit_test(masks_and_blends),
-		cmocka_unit_test(impostors_move), cmocka_unit_test(pictures_stay),
+		cmocka_unit_test(all_that_moves),   cmocka_unit_test(every_way),      cmocka_unit_test(figures_alone),
+		cmocka_unit_test(masks_and_blends), cmocka_unit_test(impostors_move), cmocka_unit_test(pictures_stay),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -138,6 +138,29 @@ static void test_info_of_a_scene(void **state)
 	assert_error_lines(1); /* the full disk */
 }
 
+/* What models of a file differ in is counted. */
+static void test_info_of_flags(void **state)
+{
+	(void)state;
+	FILE *file = fopen("flags.gltf", "w");
+	fputs("{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0,\"extras\":{\"seen\":false}},"
+	      "{\"mesh\":0,\"extras\":{\"seen\":false,\"receiveShadow\":false}},{\"mesh\":0}],"
+	      "\"scenes\":[{\"nodes\":[0,1,2]}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+	      "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
+	      "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":[{\"byteLength\":36,\"uri\":"
+	      "\"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}]}",
+	      file);
+	assert_int_equal(fclose(file), 0);
+	stilb_good("info flags.gltf --json flags.json");
+	assert_said(run.out, "  models: 2 unseen, 1 on which no shadow falls\n");
+	read_stats("flags.json");
+	assert_int_equal(stat_int("unseen_models"), 2);
+	assert_int_equal(stat_int("shadowless_models"), 0);
+	assert_int_equal(stat_int("unshadowed_models"), 1);
+	stilb_good("info cornell");
+	assert_null(strstr(run.out, "models:"));
+}
+
 static void test_info(void **state)
 {
 	(void)state;
@@ -188,6 +211,8 @@ static const char *const refusals[][2] = {
 	{"demo --msaa 2", "1 or 4"},
 	{"demo --max-anisotropy 17", "1..16"},
 	{"view --specular-aa on", "vmf, toksvig, off"},
+	{"view --ambient dim", "'dim' is not one of: environment, none, constant, hemisphere, sh-vertex, sh-pixel"},
+	{"demo --ambient=", "--ambient"},
 	{"demo --view sideways", "all, half, few"},
 	{"demo --device none", "vulkan, null"},
 	{"demo --gpu {}", "--gpu"},
@@ -381,7 +406,8 @@ static void test_stats_of_the_null_device(void **state)
 	read_stats("b.json");
 	assert_stats("null", "direct", "flat", 7, 0, 31);
 	assert_stages(false);
-	stilb_good("demo --headless --device null --models 1 --frames 1 --size 16384x1 --workers 256 --stats c.json");
+	stilb_good("demo --headless --device null --models 1 --frames 1 --size 16384x1 --workers 256 --shadows off --stats "
+	           "c.json");
 	read_stats("c.json");
 	assert_stats("null", "indirect", "auto", 1, 256, 1);
 	assert_int_equal(folder_entries(), 4); /* no temporary file */
@@ -475,13 +501,54 @@ static void test_stream_hash(void **state)
 	}
 }
 
+/* Shadows are there unless they are refused, and --stats has what the device's kind makes of them. */
+static void test_shadows(void **state)
+{
+	(void)state;
+	char hash[32];
+	stilb_good(SMALL "--stats a.json");
+	read_stats("a.json");
+	assert_string_equal(stat_text("shadows.kind", '"'), "map");
+	assert_int_equal(stat_int("shadows.cascades"), 4);
+	assert_int_equal(stat_int("shadows.cascade_size"), 2048);
+	assert_int_equal(stat_int("shadows.samples"), 16);
+	assert_int_equal(stat_int("shadows.maps"), 4);
+	assert_int_equal(stat_int("shadows.drawn"), 0); /* nothing moves */
+	assert_int_equal(stat_int("shadows.lights_left_out"), 0);
+	assert_said(run.out, "shadows: 4 maps, 0 of them drawn in the last frame; 4 cascades of 2048 texels\n");
+	snprintf(hash, sizeof hash, "%s", stat_text("stream_hash", '"'));
+	stilb_good(SMALL "--shadows map --cascades 2 --cascade-size 512 --shadow-samples 4 --animate --stats a.json");
+	read_stats("a.json");
+	assert_int_equal(stat_int("shadows.cascades"), 2);
+	assert_int_equal(stat_int("shadows.cascade_size"), 512);
+	assert_int_equal(stat_int("shadows.samples"), 4);
+	assert_in_range(stat_int("shadows.drawn"), 1, 2); /* those that something moves in */
+	/* What casts none is named. */
+	stilb_good(SMALL "--lights 20 --lighting combined --frames 1 --stats a.json");
+	assert_said(run.out, "shadows: the sum of a model's further lights: none\n");
+	assert_int_equal(stilb_code(NULL, SMALL "--lights 200 --frames 1 --stats a.json"), 0);
+	read_stats("a.json");
+	assert_true(stat_int("shadows.lights_left_out") > 100);
+	assert_said(run.err, "lights that are seen cast no shadow (number ");
+	assert_error_lines(1);
+	stilb_good(SMALL "--frames 1 --shadows off --stats b.json");
+	read_stats("b.json");
+	assert_string_equal(stat_text("shadows.kind", '"'), "off");
+	assert_string_equal(stat_text("stream_hash", '"'), hash);
+	assert_false(strstr(run.out, "shadows:"));
+	stilb_good(SMALL "--frames 1 --stats a.json"); /* the first frame draws the maps */
+	read_stats("a.json");
+	assert_int_equal(stat_int("shadows.drawn"), 4);
+	assert_string_equal(stat_text("stream_hash", '"'), hash); /* which leaves maps out, drawn or not */
+}
+
 static void test_views(void **state)
 {
 	(void)state;
 	long long visible[3];
 	static const char *const views[] = {"all", "half", "few"};
 	for (int i = 0; i < 3; i++) {
-		stilb_good("demo --headless --device null --frames 1 --view %s --stats a.json", views[i]);
+		stilb_good("demo --headless --device null --frames 1 --shadows off --view %s --stats a.json", views[i]);
 		read_stats("a.json");
 		visible[i] = stat_int("visible");
 		assert_int_equal(stat_int("draws"), 2 * visible[i]);
@@ -565,6 +632,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_info),
 		FRESH_TEST(test_info_of_materials),
 		FRESH_TEST(test_info_of_a_scene),
+		FRESH_TEST(test_info_of_flags),
 		FRESH_TEST(test_refusals),
 		FRESH_TEST(test_bench_is_another_program),
 		FRESH_TEST(test_pictures_need_no_module),
@@ -576,6 +644,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_defaults),
 		FRESH_TEST(test_isa),
 		FRESH_TEST(test_stream_hash),
+		FRESH_TEST(test_shadows),
 		FRESH_TEST(test_views),
 		FRESH_TEST(test_interrupts_end_it_well),
 		FRESH_TEST(test_progress_on_a_terminal),

@@ -1,6 +1,6 @@
 /* Model files through the programs that a user runs: what `stilb render` opens, `stilb view --headless --validate`
  * shows without a message of the validation layer, and one without textures has the radiance of `stilb render
- * --integrator direct --no-shadows`, to 1 % of the largest value, silhouettes aside, on Lambert in the light that both
+ * --integrator direct --shadows off`, to 1 % of the largest value, silhouettes aside, on Lambert in the light that both
  * give it. What does not open is refused by both with the same line. One file; with STILB_MODELS=all in the environment
  * every file of Debian's package assimp-testmodels, and with STILB_MODELS=FOLDER every one below that folder, a line
  * for each. */
@@ -186,15 +186,16 @@ static bool has_textures(const char *path)
 	return json_flat_find(&stats, "textures[0].width");
 }
 
-static const char *const view_flags[] = {"--headless", "--validate",   "--size", "384x288", "--brdf",
-                                         "lambert",    "--screenshot", "v.exr",  "--quiet", "--msaa",
-                                         "1",          "--lod",        "off",    NULL};
+static const char *const view_flags[] = {"--headless",   "--validate", "--size",  "384x288", "--brdf", "lambert",
+                                         "--screenshot", "v.exr",      "--quiet", "--msaa",  "1",      "--lod",
+                                         "off",          "--shadows",  "off",     NULL};
 
 /* Renders the file; the program's exit code. */
 static int render_file(const char *path, const char *samples)
 {
-	const char *const flags[] = {"--integrator", "direct",  "--no-shadows", "--size", "96x72",   "--spp",   samples,
-	                             "--brdf",       "lambert", "-o",           "r.exr",  "--force", "--quiet", NULL};
+	const char *const flags[] = {"--integrator", "direct", "--shadows", "off",     "--size",
+	                             "96x72",        "--spp",  samples,     "--brdf",  "lambert",
+	                             "-o",           "r.exr",  "--force",   "--quiet", NULL};
 	return stilb_on("render", path, flags);
 }
 

@@ -3,31 +3,11 @@
  * take seconds. Skipped, with the reason, where Open MPI is missing. */
 #include "support/stilb_program.h"
 
-static const char mpirun_path[] = "/usr/bin/mpirun";
-
-/* Open MPI runs as root only if both of the first are there; tests run in containers, as root. */
-static const char *const environment[] = {
-	"DISPLAY", "WAYLAND_DISPLAY", "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "PMIX_MCA_gds=hash",
-	NULL};
-
-/* Starts mpirun with the words of a line; @ is the program stilb with "render". */
-static void ranks_start(const char *line)
-{
-	char copy[2048], *rest = NULL;
-	const char *words[64] = {mpirun_path, "--oversubscribe"};
-	size_t count = 2;
-	snprintf(copy, sizeof copy, "%s", line);
-	for (char *word = strtok_r(copy, " ", &rest); word && count < 62; word = strtok_r(NULL, " ", &rest)) {
-		words[count++] = strcmp(word, "@") == 0 ? stilb_path : word;
-		if (strcmp(word, "@") == 0)
-			words[count++] = "render";
-	}
-	assert_true(program_start(&run, words, environment, -1));
-}
+static const char *const environment[] = {NO_DISPLAY, RANKS_ENVIRONMENT, NULL};
 
 static int ranks(const char *line)
 {
-	ranks_start(line);
+	ranks_start(environment, line);
 	program_wait(&run);
 	return run.code;
 }
@@ -158,7 +138,7 @@ static void ranks_end(void)
 /* Starts three ranks, waits until they render, and returns the process of one. */
 static pid_t slow_start(int rank)
 {
-	ranks_start("-n 3 @ " SLOW);
+	ranks_start(environment, "-n 3 @ " SLOW);
 	pid_t process = 0;
 	for (int i = 0; i < 200 && !process; i++) {
 		pause_s(0.05);
@@ -224,7 +204,7 @@ static void test_any_rank_killed_at_any_time(void **state)
 	int killed = 0;
 	for (int i = 0; i < 5; i++) {
 		int rank = i % 3;
-		ranks_start("-n 3 @ " SLOW " --checkpoint 0.05 --resume");
+		ranks_start(environment, "-n 3 @ " SLOW " --checkpoint 0.05 --resume");
 		pid_t process = 0;
 		for (int k = 0; k < 400 && !process; k++) {
 			pause_s(0.02);
@@ -270,14 +250,8 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_any_rank_killed_at_any_time, folder_fresh),
 		cmocka_unit_test_setup(test_full_disk, folder_fresh),
 	};
-	if (access(mpirun_path, X_OK) != 0) {
-		printf("skipped: there is no %s; install openmpi-bin\n", mpirun_path);
+	if (ranks_are_missing(argc > 2 ? argv[2] : NULL))
 		return 77;
-	}
-	if (argc > 2 && access(argv[2], R_OK) != 0) {
-		printf("skipped: there is no '%s': this build was configured without libopenmpi-dev\n", argv[2]);
-		return 77;
-	}
 	if (!folder_enter(argc > 1 ? argv[1] : NULL, "game_mpi")) {
 		fprintf(stderr, "usage: %s PATH-OF-STILB PATH-OF-MODULE [long]\n", argv[0]);
 		return 2;

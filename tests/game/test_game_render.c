@@ -430,6 +430,37 @@ static void test_flags_without_use(void **state)
 	assert_said(run.err, "--cache-rays is ignored: --integrator color does not use it");
 }
 
+/* The sum of all bytes of the picture of the Cornell box with these flags. */
+static uint64_t shadowed(const char *flags)
+{
+	char line[256];
+	stilb_image picture;
+	uint64_t sum = 0;
+	snprintf(line, sizeof line, SMALL "-o s.png %s", flags);
+	assert_int_equal(stilb_code(no_display, line), 0);
+	assert_int_equal(stilb_image_load("s.png", &picture), STILB_OK);
+	for (size_t i = 0; i < stilb_image_size(&picture); i++)
+		sum += ((const uint8_t *)picture.pixels)[i];
+	stilb_image_finish(&picture);
+	return sum;
+}
+
+/* Of direct light shadows can be left out; elsewhere a line says that they are not. */
+static void test_shadows(void **state)
+{
+	(void)state;
+	uint64_t with = shadowed("--integrator direct"), without = shadowed("--integrator direct --shadows off");
+	assert_true(without > with + with / 20);
+	assert_true(shadowed("--integrator direct --shadows on") == with);
+	assert_null(strstr(run.err, "shadows"));
+	uint64_t paths = shadowed("--shadows on");
+	assert_null(strstr(run.err, "shadows"));
+	assert_true(shadowed("--shadows off") == paths);
+	assert_said(run.err, "--shadows off is ignored: only --integrator direct");
+	assert_int_equal(stilb_code(no_display, SMALL "-o s.png --no-shadows"), 2);
+	assert_int_equal(stilb_code(no_display, SMALL "-o s.png --shadows map"), 2);
+}
+
 static void test_dry_run(void **state)
 {
 	(void)state;
@@ -628,6 +659,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_limits, folder_fresh),
 		cmocka_unit_test_setup(test_late_refusals, folder_fresh),
 		cmocka_unit_test_setup(test_flags_without_use, folder_fresh),
+		cmocka_unit_test_setup(test_shadows, folder_fresh),
 		cmocka_unit_test_setup(test_full_disk, folder_fresh),
 		cmocka_unit_test_setup(test_trace, folder_fresh),
 		cmocka_unit_test_setup(test_no_display, folder_fresh),

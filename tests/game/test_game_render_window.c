@@ -1,5 +1,6 @@
 /* stilb render --preview on a virtual display: the window shows the picture while it gets finer, and closing it ends
- * the run, which saves the picture. */
+ * the run, which saves the picture. With the path of the module for MPI the same of ranks under mpirun, of which only
+ * rank 0 has a window; skipped, with the reason, where Open MPI is missing. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 #include "support/x11_window.h"
@@ -89,6 +90,7 @@ static void test_closing_stops_and_saves(void **state)
 	assert_true(shows_cornell(window));
 	close_window(window);
 	program_wait(&run);
+	forget_progress(run.err); /* of a slow machine */
 	assert_string_equal(run.err, "");
 	assert_int_equal(run.code, 0);
 	assert_said(run.out, "picture: a.png");
@@ -133,6 +135,7 @@ static void test_it_ends_by_itself(void **state)
 {
 	(void)state;
 	assert_int_equal(stilb_code(NULL, "render cornell --size 64x64 --spp 4 --preview -o a.exr"), 0);
+	forget_progress(run.err); /* of a slow machine */
 	assert_string_equal(run.err, "");
 	assert_int_equal(stilb_code(no_display, "render cornell --size 64x64 --spp 4 -o b.exr"), 0);
 	stilb_image a, b;
@@ -154,6 +157,67 @@ static void test_without_an_output_it_is_only_looked_at(void **state)
 	assert_int_equal(folder_entries(), 0);
 }
 
+/* ---- ranks ------------------------------------------------------------------------------------------------------- */
+
+static const char *const of_ranks[] = {RANKS_ENVIRONMENT, NULL};
+
+#define RANKS "-n 3 @ cornell --size 400x400 --spp 4096 --workers 1 --preview "
+
+static uint32_t windows_of_this_title(void)
+{
+	Window root, parent, *children = NULL;
+	unsigned count = 0, found = 0;
+	XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
+	for (unsigned i = 0; i < count; i++) {
+		char *name = NULL;
+		found += XFetchName(display, children[i], &name) && name && strcmp(name, TITLE) == 0;
+		if (name)
+			XFree(name);
+	}
+	XFree(children);
+	return found;
+}
+
+static void test_ranks_have_one_window(void **state)
+{
+	(void)state;
+	ranks_start(of_ranks, RANKS "-o a.png --stats a.json");
+	Window window = wait_for_window();
+	for (int i = 0; i < 50; i++, usleep(20000)) /* the others would have theirs by then */
+		assert_int_equal(windows_of_this_title(), 1);
+	assert_true(shows_cornell(window));
+	close_window(window);
+	program_wait(&run);
+	forget_progress(run.err); /* of a slow machine */
+	assert_string_equal(run.err, "");
+	assert_int_equal(run.code, 0);
+	assert_said(run.out, "picture: a.png");
+	assert_true(access("a.png.checkpoint", F_OK) == 0);
+	read_stats("a.json");
+	assert_string_equal(stat_text("end", '"'), "stopped");
+	assert_int_equal(stat_int("ranks"), 3);
+}
+
+/* The preview does not change the picture, and neither does its lack, of which rank 0 tells once. */
+static void test_ranks_make_the_same_picture(void **state)
+{
+	static const char *const broken[] = {"DISPLAY=:987654", "WAYLAND_DISPLAY", RANKS_ENVIRONMENT, NULL};
+	(void)state;
+	stilb_good("render cornell --size 72x48 --spp 8 -o whole.exr");
+	ranks_start(of_ranks, "-n 3 @ cornell --size 72x48 --spp 8 --preview -o ranks.exr");
+	program_wait(&run);
+	forget_progress(run.err); /* of a slow machine */
+	assert_string_equal(run.err, "");
+	assert_int_equal(run.code, 0);
+	assert_true(same_file("whole.exr", "ranks.exr"));
+	ranks_start(broken, "-n 3 @ cornell --size 72x48 --spp 8 --preview -o blind.exr");
+	program_wait(&run);
+	assert_said(run.err, "rendering without a preview");
+	assert_int_equal(program_lines(run.err), 1);
+	assert_int_equal(run.code, 0);
+	assert_true(same_file("whole.exr", "blind.exr"));
+}
+
 int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
@@ -162,16 +226,23 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup_teardown(test_it_ends_by_itself, folder_fresh, end_run),
 		cmocka_unit_test_setup_teardown(test_without_an_output_it_is_only_looked_at, folder_fresh, end_run),
 	};
+	const struct CMUnitTest of_mpi[] = {
+		cmocka_unit_test_setup_teardown(test_ranks_have_one_window, folder_fresh, end_run),
+		cmocka_unit_test_setup_teardown(test_ranks_make_the_same_picture, folder_fresh, end_run),
+	};
+	if (argc > 2 && ranks_are_missing(argv[2]))
+		return 77;
 	display = XOpenDisplay(NULL);
 	if (!display) {
 		printf("no X display: set DISPLAY, or install xvfb and use ./dev test\n");
 		return 77;
 	}
-	if (!folder_enter(argc > 1 ? argv[1] : NULL, "game_render_window")) {
-		fprintf(stderr, "usage: %s PATH-OF-STILB\n", argv[0]);
+	if (!folder_enter(argc > 1 ? argv[1] : NULL, argc > 2 ? "game_render_window_mpi" : "game_render_window")) {
+		fprintf(stderr, "usage: %s PATH-OF-STILB [PATH-OF-MODULE]\n", argv[0]);
 		return 2;
 	}
-	int failed = cmocka_run_group_tests(tests, NULL, folder_leave);
+	int failed = argc > 2 ? cmocka_run_group_tests(of_mpi, NULL, folder_leave)
+	                      : cmocka_run_group_tests(tests, NULL, folder_leave);
 	XCloseDisplay(display);
 	return failed;
 }

@@ -5,7 +5,7 @@
 #include "base/base.h"
 #include "image/image.h"
 
-#define SMALL "--models 400 --size 320x180 "
+#define SMALL "--models 400 --size 320x180 --shadows off " /* which are not in dumps */
 #define NULL_DEMO "demo --headless --device null --frames 3 " SMALL
 
 static const char *const replays[] = {"indirect", "direct", "secondary"};
@@ -75,6 +75,14 @@ static void test_the_same_file(void **state)
 	assert_int_equal(system("cmp a.dump b.dump"), 0);
 	stilb_good(NULL_DEMO "--workers 0 --seed 2 --dump b.dump");
 	assert_int_not_equal(system("cmp -s a.dump b.dump"), 0);
+}
+
+/* Dumps hold frames as they are without shadow maps. */
+static void test_shadows_are_left_out(void **state)
+{
+	(void)state;
+	stilb_good(NULL_DEMO "--shadows map --dump a.dump");
+	stilb_good("replay a.dump --device null --frames 2"); /* which compares the hash of its draws */
 }
 
 static void test_through_a_pipe(void **state)
@@ -226,13 +234,13 @@ static void test_bad_files(void **state)
 	copy_file("good.dump", "bad.dump", size);
 	forge("bad.dump", 24, 0x12345678);
 	assert_bad("bad.dump", "stream hash");
-	for (uint32_t version = 0; version <= 14; version++) {
+	for (uint32_t version = 0; version <= 16; version++) {
 		char reason[80];
-		snprintf(reason, sizeof reason, "header: version %u, but this program reads version 13; 'stilb demo --dump",
+		snprintf(reason, sizeof reason, "header: version %u, but this program reads version 15; 'stilb demo --dump",
 		         version);
 		copy_file("good.dump", "bad.dump", size);
 		forge("bad.dump", 8, version);
-		if (version != 13)
+		if (version != 15)
 			assert_bad("bad.dump", reason);
 	}
 	copy_file("good.dump", "bad.dump", size);
@@ -327,11 +335,21 @@ static void test_the_same_picture_in_other_ways(void **state)
 	                                    "--studio on", "--background transparent"};
 	stilb_good("render outdoor -o sky.hdr --size 16x8 --spp 1");
 	for (size_t v = 0; v < sizeof views / sizeof *views; v += SCENE_STEP) {
-		stilb_good("view spheres --headless --frames 2 --size 96x54 --quiet %s --dump a.dump --screenshot a.png",
-		           views[v]);
+		stilb_good(
+			"view spheres --headless --frames 2 --size 96x54 --quiet --shadows off %s --dump a.dump --screenshot a.png",
+			views[v]);
 		stilb_good("replay a.dump --frames 1 --screenshot b.png");
 		assert_true(same_picture("a.png", "b.png"));
 	}
+	/* Dumps leave shadows out, which is said. */
+	stilb_good("demo --headless --frames 2 --models 100 --size 96x54 --dump a.dump --screenshot a.png");
+	assert_said(run.out, "dump: without shadow maps");
+	stilb_good("replay a.dump --frames 1 --screenshot b.png");
+	assert_false(same_picture("a.png", "b.png"));
+	stilb_good("demo --headless --frames 2 --models 100 --size 96x54 --shadows off --dump a.dump --screenshot a.png");
+	assert_false(strstr(run.out, "shadow"));
+	assert_true(same_picture("a.png", "b.png"));
+	stilb_good("demo --headless --frames 2 " SMALL "--dump a.dump --screenshot a.exr");
 	stilb_good("demo --headless --device null --frames 2 " SMALL "--dump a.dump"); /* a dump of the null device */
 	stilb_good("replay a.dump --frames 1 --screenshot c.exr");
 	assert_true(same_picture("a.exr", "c.exr"));
@@ -352,8 +370,8 @@ static void test_textures(void **state)
 	write_text("tile.mtl", "newmtl tile\nKd 1 1 1\nmap_Kd tile.png\n");
 	write_text("tile.obj", "mtllib tile.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl tile\n"
 	                       "f 1/1 2/2 3/3\n");
-	stilb_good(
-		"view tile.obj --headless --studio off --environment 1,1,1 --size 64x64 --dump a.dump --screenshot a.png");
+	stilb_good("view tile.obj --headless --studio off --environment 1,1,1 --size 64x64 --shadows off --dump a.dump "
+	           "--screenshot a.png");
 	stilb_good("replay a.dump --frames 1 --screenshot b.png --validate");
 	assert_true(same_picture("a.png", "b.png"));
 	write_text("tile.mtl", "newmtl tile\nKd 1 1 1\n");
@@ -366,9 +384,9 @@ static void test_textures(void **state)
 int main(int argc, char **argv)
 {
 	const struct CMUnitTest null_tests[] = {
-		FRESH_TEST(test_the_same_draws), FRESH_TEST(test_the_same_file), FRESH_TEST(test_through_a_pipe),
-		FRESH_TEST(test_help),           FRESH_TEST(test_refusals),      FRESH_TEST(test_bad_files),
-		FRESH_TEST(test_full_disk),      FRESH_TEST(test_no_driver),
+		FRESH_TEST(test_the_same_draws), FRESH_TEST(test_the_same_file), FRESH_TEST(test_shadows_are_left_out),
+		FRESH_TEST(test_through_a_pipe), FRESH_TEST(test_help),          FRESH_TEST(test_refusals),
+		FRESH_TEST(test_bad_files),      FRESH_TEST(test_full_disk),     FRESH_TEST(test_no_driver),
 	};
 	const struct CMUnitTest tests[] = {
 		FRESH_TEST(test_the_same_picture),

@@ -186,6 +186,9 @@ static void files_come_and_go(void **state)
 	assert_true(x11_server_await(display, "Stilb: b.obj") == window);
 	x11_server_type(display, window, XK_Prior); /* words.txt is not a neighbour */
 	assert_true(x11_server_await(display, "Stilb: a.obj") == window);
+	write_text("a.obj.lights.json", "{"); /* which was not there when a.obj was read */
+	assert_true(await_said("a.obj.lights.json'"));
+	assert_int_equal(unlink("a.obj.lights.json"), 0);
 	assert_true(drop("words.txt"));
 	assert_true(await_said("'a.obj' stays as it was"));
 	assert_int_equal(mkdir("folder", 0777), 0);

@@ -114,6 +114,7 @@ typedef struct first_vertex {
 	gi_bsdf bsdf;
 	stilb_vec3 origin; /* of the rays that leave */
 	float numbers[8];
+	uint32_t part;
 } first_vertex;
 
 /* False: it hit nothing. */
@@ -126,6 +127,7 @@ static bool first_vertex_of(const gi_view *view, const path_samples *samples, ui
 	gi_surface_at(view->scene, camera, &surface);
 	gi_bsdf_make(&view->settings.model, &surface, -gi_ray_direction(&camera->ray), &vertex->bsdf);
 	vertex->origin = gi_surface_ray_origin(&surface, surface.geometric);
+	vertex->part = surface.part;
 	gi_sample_8(&view->sampler, samples->points[i], GI_DIMENSION_OF(0), vertex->numbers);
 	return true;
 }
@@ -152,8 +154,8 @@ static stilb_vec3 found_by_light(const gi_view *view, const first_vertex *vertex
 {
 	gi_ray shadows[GI_LIGHT_GROUPS];
 	stilb_vec3 direct[GI_LIGHT_GROUPS], sum = {0};
-	uint32_t count =
-		gi_direct_ask(view, &vertex->bsdf, vertex->origin, vertex->numbers, GI_DIRECT_ALONE, shadows, direct);
+	uint32_t count = gi_direct_ask(view, &vertex->bsdf, vertex->part, vertex->origin, vertex->numbers, GI_DIRECT_ALONE,
+	                               shadows, direct);
 	view->scene->tracer.occluded(&view->scene->tracer, shadows, count);
 	for (uint32_t i = 0; i < count; i++)
 		sum += shadows[i].t_max >= 0.0f ? direct[i] : (stilb_vec3){0};

@@ -104,8 +104,8 @@ static uint16_t find(const stilb_gpu_plan *plan, const char *name)
 	return resource;
 }
 
-static const char *const use_words[STILB_GPU_USE_KINDS] = {"sample",   "load",     "store", "modify",
-                                                           "vertices", "indirect", "from",  "to"};
+static const char *const use_words[STILB_GPU_USE_KINDS] = {"sample",   "load", "store", "modify", "vertices",
+                                                           "indirect", "from", "to",    "uniform"};
 static const char *const load_words[] = {"over", "clear", "fresh", "test"};
 
 static void add_attachment(stilb_gpu_plan *plan, stilb_gpu_pass *pass, uint32_t load, uint16_t image,

@@ -13,6 +13,9 @@
 static const uint32_t sum_comp[] =
 #include "sum.comp.inc"
 	;
+static const uint32_t uniforms_comp[] =
+#include "uniforms.comp.inc"
+	;
 static const uint32_t depth_frag[] =
 #include "depth_to_color.frag.inc"
 	;
@@ -100,6 +103,7 @@ static void images_that_cannot_be(void **state)
 	ROW((x->samples = 4, x->mips = 2), "have 1 mip");
 	ROW((x->samples = 4, x->uses = STORAGE), "cannot be a storage image");
 	ROW((x->format = STILB_GPU_D32_F, x->uses = STORAGE), "d32_f cannot be a storage image");
+	ROW((x->format = STILB_GPU_D32_F_S8, x->uses = SAMPLED), "d32_f_s8 cannot be sampled");
 	ROW((x->format = STILB_GPU_BC1_U, x->uses = STILB_GPU_EXTENT_ATTACHMENT), "bc1_u cannot be drawn into");
 	ROW((x->shape = STILB_GPU_SHAPE_CUBE), "cubes are square");
 	ROW((x->shape = STILB_GPU_SHAPE_1D), "height 1");
@@ -140,6 +144,13 @@ static void programs_that_cannot_be(void **state)
 		program_of((stilb_gpu_program_desc){.compute = SHADER(mix_comp), .samplers = 2, .storage_images = 1}),
 		STILB_OK);
 	assert_says(program_of((stilb_gpu_program_desc){.compute = SHADER(mix_comp), .samplers = 3}), "binding 2 of set 0");
+	assert_int_equal(program_of((stilb_gpu_program_desc){.compute = SHADER(uniforms_comp), .uniforms = 2}), STILB_OK);
+	assert_says(program_of((stilb_gpu_program_desc){.compute = SHADER(uniforms_comp), .uniforms = 1}),
+	            "binding 1 of set 0");
+	assert_says(program_of((stilb_gpu_program_desc){.compute = SHADER(uniforms_comp), .samplers = 2}),
+	            "binding 0 of set 0");
+	assert_says(program_of((stilb_gpu_program_desc){.compute = SHADER(uniforms_comp), .uniforms = 13}),
+	            "13 uniform buffers: 'null' has up to 12");
 	assert_says(program_of((stilb_gpu_program_desc){.compute = SHADER(nonsense)}), "no SPIR-V");
 	stilb_gpu_shader broken = {.words = cut, .bytes = sizeof cut};
 	cut[5] = 0; /* an instruction of no words */
@@ -157,6 +168,21 @@ static void programs_that_cannot_be(void **state)
 	                                .input_count = 1,
 	                                .inputs = {{.location = 1, .format = STILB_GPU_R32_F, .offset = 12}}};
 	assert_says(program_of(input), "outside of the 12 bytes");
+	stilb_gpu_program_desc count = {.vertex = SHADER(scene_vert),
+	                                .vertex_bytes = 12,
+	                                .input_count = 2,
+	                                .inputs = {{.location = 0, .format = STILB_GPU_RG32_F},
+	                                           {.location = 1, .format = STILB_GPU_R32_F, .offset = 8}},
+	                                .depth = STILB_GPU_COMPARE_GREATER,
+	                                .stencil = STILB_GPU_STENCIL_COUNT};
+	assert_int_equal(program_of(count), STILB_OK);
+	gpu->limits.counts = false;
+	assert_says(program_of(count), "depthClamp");
+	gpu->limits.counts = true;
+	count.depth_write = true;
+	assert_says(program_of(count), "stencil 1: there are 0..2");
+	count.stencil = 3;
+	assert_says(program_of(count), "stencil 3: there are 0..2");
 	gpu->limits.group_invocations = 32;
 	assert_says(program_of((stilb_gpu_program_desc){.compute = SHADER(sum_comp), .samplers = 1}), "64 invocations");
 }

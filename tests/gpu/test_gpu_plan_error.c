@@ -329,8 +329,8 @@ static void test_uses(void **state)
 	stilb_gpu_pass pass = good;
 	pass.use_count = 1;
 	expect_pass(pass, "pass 1 'p' uses resource 0, and the plan has 1 to 3: numbers are those of this frame's rows");
-	pass.uses[0] = (stilb_gpu_use){.resource = 1, .how = 8};
-	expect_pass(pass, "pass 1 'p' uses 'own' by 8: it is none of stilb_gpu_use_kind");
+	pass.uses[0] = (stilb_gpu_use){.resource = 1, .how = 9};
+	expect_pass(pass, "pass 1 'p' uses 'own' by 9: it is none of stilb_gpu_use_kind");
 	pass.uses[0] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_STORAGE_READ, .sampler = 1};
 	pass.constant_bytes = 16;
 	expect_pass(pass, "pass 1 'p' reads 'data' with a sampler, which only sampled images have");
@@ -346,8 +346,16 @@ static void test_uses(void **state)
 	expect_pass(pass, "pass 1 'p' has 'data' and 'data' at the slot 8: each has one of its own");
 	pass.uses[0] = pass.uses[1] = (stilb_gpu_use){.resource = 1, .how = STILB_GPU_USE_SAMPLED, .slot = 3};
 	expect_pass(pass, "pass 1 'p' has 'own' and 'own' at the slot 3: each has one of its own");
-	pass.kind = STILB_GPU_PASS_DRAWS;
+	pass.uses[0] = pass.uses[1] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_UNIFORM, .slot = 1};
+	expect_pass(pass, "pass 1 'p' has 'data' and 'data' at the slot 1: each has one of its own");
 	pass.use_count = 1;
+	pass.uses[0].resource = 1;
+	expect_pass(pass, "pass 1 'p' reads the image 'own': it must be a buffer");
+	pass.uses[0] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_UNIFORM, .first = 256, .bytes = 1u << 30};
+	expect_pass(pass, "pass 1 'p' reads bytes 256 + 1073741824 of 'data' as a uniform buffer, which has 64");
+	pass.uses[0] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_STORAGE_READ, .slot = 8, .bytes = 16};
+	expect_pass(pass, "pass 1 'p' reads bytes 0 + 16 of 'data': only uniform buffers are parts");
+	pass.kind = STILB_GPU_PASS_DRAWS;
 	pass.uses[0] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_VERTICES, .slot = 8};
 	expect_pass(pass, "pass 1 'p' takes vertices from 'data' with the slot 8, which says nothing here: leave it 0");
 }

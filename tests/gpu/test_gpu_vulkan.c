@@ -37,6 +37,9 @@ static const uint32_t sum_comp[] =
 static const uint32_t mix_frag[] =
 #include "mix.frag.inc"
 	;
+static const uint32_t uniforms_comp[] =
+#include "uniforms.comp.inc"
+	;
 
 typedef struct vertex {
 	float position[2], depth;
@@ -246,6 +249,83 @@ static void four_kinds_of_passes(void **state)
 		chain_check(c, sizes[i][0], sizes[i][1]);
 		assert_int_equal(s.gpu->validation_messages, 0);
 	}
+}
+
+/* A dispatch of `program` that reads uniform buffers, the second one from byte `from` of `second` on. */
+static stilb_gpu_pass uniforms_pass(stilb_gpu_program program, uint16_t first, uint16_t second, uint32_t from,
+                                    uint16_t result)
+{
+	return (stilb_gpu_pass){
+		.name = "uniforms",
+		.kind = STILB_GPU_PASS_DISPATCH,
+		.groups = {1, 1, 1},
+		.uses = {{.resource = second, .how = STILB_GPU_USE_UNIFORM, .slot = 1, .first = from, .bytes = 32},
+	             {.resource = first, .how = STILB_GPU_USE_UNIFORM},
+	             {.resource = result, .how = STILB_GPU_USE_STORAGE_WRITE}},
+		.use_count = 3,
+		.constant_bytes = 8,
+		.program = program.id};
+}
+
+/* Parts of what the CPU has written, and what a pass before has. */
+static void uniform_buffers(void **state)
+{
+	(void)state;
+	stilb_gpu_buffer written;
+	stilb_gpu_buffer_desc desc = {
+		.name = "written", .bytes = 1024, .memory = STILB_GPU_MEMORY_WRITE, .uses = STILB_GPU_BUFFER_UNIFORM};
+	assert_int_equal(stilb_gpu_buffer_create(s.gpu, &desc, &written), STILB_OK);
+	stilb_gpu_program program = program_make((stilb_gpu_program_desc){.name = "uniforms",
+	                                                                  .compute = SHADER(uniforms_comp),
+	                                                                  .uniforms = 2,
+	                                                                  .constant_count = 1,
+	                                                                  .constants = {{0, 2}}});
+	for (uint32_t frame = 0; frame < 3; frame++) {
+		assert_int_equal(stilb_gpu_wait(s.gpu), STILB_OK);
+		uint32_t *words = stilb_gpu_buffer_mapped(s.gpu, written);
+		for (uint32_t i = 0; i < 256; i++)
+			words[i] = 1000 * frame + i;
+		plan_begin(8, 8);
+		uint16_t from = stilb_gpu_plan_buffer(
+			s.plan, &(stilb_gpu_plan_buffer_row){.name = "written", .bytes = 1024, .owned = written.id});
+		uint16_t made = stilb_gpu_plan_buffer(s.plan, &(stilb_gpu_plan_buffer_row){.name = "made", .bytes = 32});
+		uint16_t result =
+			stilb_gpu_plan_buffer(s.plan, &(stilb_gpu_plan_buffer_row){.name = "result", .bytes = 32, .output = true});
+		stilb_gpu_pass make = uniforms_pass(program, from, from, 256 * (1 + frame), made);
+		stilb_gpu_pass read = uniforms_pass(program, made, made, 0, result);
+		stilb_gpu_plan_pass(s.plan, &make);
+		stilb_gpu_plan_pass(s.plan, &read);
+		plan_run(NULL, 0, NULL);
+		const uint32_t *got = read_back(result, 0, 0);
+		for (uint32_t i = 0; i < 4; i++) {
+			assert_int_equal(got[i], 1000 * frame + i);
+			assert_int_equal(got[4 + i], 1000 * frame + 64 * (1 + frame) + 4 + i);
+		}
+	}
+	/* The device's rules. */
+	stilb_gpu_planner planner = stilb_gpu_planner_of(s.gpu);
+	plan_begin(8, 8);
+	uint16_t from = stilb_gpu_plan_buffer(
+		s.plan, &(stilb_gpu_plan_buffer_row){.name = "written", .bytes = 1024, .owned = written.id});
+	uint16_t result = stilb_gpu_plan_buffer(s.plan, &(stilb_gpu_plan_buffer_row){.name = "result", .bytes = 32});
+	stilb_gpu_pass pass = uniforms_pass(program, from, from, 256, result);
+	assert_null(planner.mistake(planner.user, s.plan, &pass));
+	pass.uses[0].first = 258; /* of a multiple of 4 or more, whatever the device */
+	assert_non_null(strstr(planner.mistake(planner.user, s.plan, &pass), "uniform_align"));
+	pass.uses[0].slot = 2;
+	pass.uses[0].first = 256;
+	assert_non_null(strstr(planner.mistake(planner.user, s.plan, &pass), "(uniforms)"));
+	stilb_gpu_plan_begin(s.plan, 8, 8);
+	from = stilb_gpu_plan_buffer(s.plan,
+	                             &(stilb_gpu_plan_buffer_row){.name = "vertices", .bytes = 64, .owned = s.vertices.id});
+	pass = uniforms_pass(program, from, from, 0, from);
+	assert_non_null(strstr(planner.mistake(planner.user, s.plan, &pass), "STILB_GPU_BUFFER_UNIFORM"));
+	from = stilb_gpu_plan_buffer(s.plan, &(stilb_gpu_plan_buffer_row){.name = "large", .bytes = 1u << 30});
+	pass = uniforms_pass(program, from, from, 0, from);
+	pass.uses[0].bytes = 0;
+	assert_non_null(strstr(planner.mistake(planner.user, s.plan, &pass), "uniform_bytes"));
+	stilb_gpu_program_destroy(s.gpu, program);
+	stilb_gpu_buffer_destroy(s.gpu, written);
 }
 
 /* Runs tasks one after the other, the last one first: each part has its own command buffer. */
@@ -754,11 +834,13 @@ static void ten_thousand_images(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		STAGE_TEST(four_kinds_of_passes), STAGE_TEST(three_modes_of_replay), STAGE_TEST(layers_at_once),
-		STAGE_TEST(passes_fill_areas),    STAGE_TEST(runs_have_constants),   STAGE_TEST(uploads_are_flushed),
-		STAGE_TEST(samples_are_resolved), STAGE_TEST(one_layer_is_resolved), STAGE_TEST(uploads_in_order),
-		STAGE_TEST(mips_in_linear_light), STAGE_TEST(textures_of_draws),     STAGE_TEST(content_of_the_last_frame),
-		STAGE_TEST(ten_thousand_images),
+		STAGE_TEST(four_kinds_of_passes),      STAGE_TEST(uniform_buffers),
+		STAGE_TEST(three_modes_of_replay),     STAGE_TEST(layers_at_once),
+		STAGE_TEST(passes_fill_areas),         STAGE_TEST(runs_have_constants),
+		STAGE_TEST(uploads_are_flushed),       STAGE_TEST(samples_are_resolved),
+		STAGE_TEST(one_layer_is_resolved),     STAGE_TEST(uploads_in_order),
+		STAGE_TEST(mips_in_linear_light),      STAGE_TEST(textures_of_draws),
+		STAGE_TEST(content_of_the_last_frame), STAGE_TEST(ten_thousand_images),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

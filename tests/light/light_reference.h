@@ -183,7 +183,7 @@ static inline uint32_t reference_cell(const stilb_light_lists *lists, const stil
 }
 
 /* The point at the depth z that a place of the picture shows, [-1, 1]. */
-static inline void reference_point(const stilb_light_lists *lists, const stilb_light_grid *grid, double nx, double ny,
+static inline void reference_place(const stilb_light_lists *lists, const stilb_light_grid *grid, double nx, double ny,
                                    double z, double out[3])
 {
 	const float *m = grid->view_projection.m;

@@ -64,7 +64,7 @@ static uint32_t check_view(light_random *random, const stilb_light_lists *lists,
 	uint32_t checked = 0;
 	for (uint32_t i = 0; i < VIEW_POINTS; i++) {
 		double exact[3], nx = draw(random, -1.0, 1.0), ny = draw(random, -1.0, 1.0);
-		reference_point(lists, grid, nx, ny, extent * exp2(draw(random, -8.0, 1.5)), exact);
+		reference_place(lists, grid, nx, ny, extent * exp2(draw(random, -8.0, 1.5)), exact);
 		float point[3] = {(float)exact[0], (float)exact[1], (float)exact[2]};
 		for (uint32_t k = 0; k < LIGHTS; k++)
 			checked += check_point(lists, grid, k, point);
@@ -123,7 +123,7 @@ static void test_none_is_missing_where_slices_end(void **state)
 		assert_int_equal(stilb_light_lists_build(&lists, &grid, NULL, 0, NULL, 0, NULL, 0), STILB_OK);
 		for (uint32_t i = 0; i < LIGHTS; i++) {
 			double depth = reference_depth(&lists, 1 + draw_below(&random, grid.slices - 1)), at[3];
-			reference_point(&lists, &grid, draw(&random, -1.0, 1.0), draw(&random, -1.0, 1.0),
+			reference_place(&lists, &grid, draw(&random, -1.0, 1.0), draw(&random, -1.0, 1.0),
 			                depth * (1.0 + draw(&random, -2e-7, 2e-7)), at);
 			lights[i] = draw_light(&random, 1.0, 1e-6 * depth);
 			lights[i].use = STILB_SCENE_LIGHT_LIVE;

@@ -20,7 +20,7 @@ static bool cell_is_reached(const stilb_light_lists *lists, const stilb_light_gr
 		double t = i / (SIDE * SIDE) / (DEEP - 1.0), point[3];
 		double px = x * (double)grid->tile * (1.0 - u) + corners[0] * u;
 		double py = y * (double)grid->tile * (1.0 - v) + corners[1] * v;
-		reference_point(lists, grid, 2.0 * px / grid->width - 1.0, 2.0 * py / grid->height - 1.0,
+		reference_place(lists, grid, 2.0 * px / grid->width - 1.0, 2.0 * py / grid->height - 1.0,
 		                near_z * (1.0 - t) + far_z * t, point);
 		if (reference_sends(light, point) > 0.0)
 			return true;

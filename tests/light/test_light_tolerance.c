@@ -52,7 +52,7 @@ static void check_tolerance(uint64_t seed, uint32_t views, bool physical)
 		for (uint32_t p = 0; p < POINTS; p++) {
 			double exact[3], sum = 0.0;
 			uint32_t pixel[2];
-			reference_point(&lists, &grid, draw(&random, -1.0, 1.0), draw(&random, -1.0, 1.0),
+			reference_place(&lists, &grid, draw(&random, -1.0, 1.0), draw(&random, -1.0, 1.0),
 			                10.0 * exp2(draw(&random, -6.0, 1.0)), exact);
 			float point[3] = {(float)exact[0], (float)exact[1], (float)exact[2]};
 			if (!reference_pixel(&grid, exact, pixel))

@@ -3,6 +3,7 @@
 #include "support/render_fixture.h"
 #include "support/test.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <string.h>
 
@@ -181,6 +182,91 @@ static void replay_with_target(stilb_render *render, stilb_render_target target)
 	stilb_render_replay(render, &pass, 1, &view, 1, NULL, 0);
 }
 
+static void replay_with_area(stilb_render *render, stilb_render_target_kind kind, uint16_t layer, uint16_t left,
+                             uint16_t width)
+{
+	stilb_render_target target = {
+		.name = "maps", .kind = kind, .width = 8, .height = 8, .layers = kind == STILB_RENDER_TARGET_DEPTH ? 2 : 0};
+	stilb_render_pass pass = {0};
+	stilb_render_view view = {
+		.view_projection = stilb_mat4_identity(), .target = &target, .layer = layer, .area = {left, 0, width, width}};
+	stilb_render_pass_begin(render, 0, 0);
+	stilb_render_pass_end(render, 0);
+	stilb_render_replay(render, &pass, 1, &view, 1, NULL, 0);
+}
+
+/* One light with shadow maps in a target of 16 x 16 texels and two layers. */
+static void replay_with_shadows(stilb_render *render, stilb_render_shadow_map map, stilb_render_shadow of,
+                                uint32_t filter)
+{
+	stilb_render_target target = {
+		.name = "maps", .kind = STILB_RENDER_TARGET_DEPTH, .width = 16, .height = 16, .layers = 2};
+	stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.0f, -1.0f, 0.0f}, .intensity = {1.0f, 1.0f, 1.0f}};
+	map.view_projection = stilb_mat4_identity();
+	stilb_render_shadows shadows = {.target = &target, .maps = &map, .lights = &of, .map_count = 1, .filter = filter};
+	stilb_render_pass pass = {0};
+	stilb_render_view view = {
+		.view_projection = stilb_mat4_identity(), .lights = &sun, .light_count = 1, .shadows = &shadows};
+	stilb_render_pass_begin(render, 0, 0);
+	stilb_render_pass_end(render, 0);
+	stilb_render_replay(render, &pass, 1, &view, 1, NULL, 0);
+}
+
+static void shadows(stilb_render *render)
+{
+	stilb_render_shadow_map whole = {.area = {0, 0, 16, 16}}, part = {.area = {0, 0, 8, 8}};
+	contract_breaks("replay_area_is_sound", replay_with_area(render, STILB_RENDER_TARGET_LIGHT, 0, 0, 4));
+	contract_breaks("replay_area_is_sound", replay_with_area(render, STILB_RENDER_TARGET_LIGHT, 1, 0, 0));
+	contract_breaks("replay_area_is_sound", replay_with_area(render, STILB_RENDER_TARGET_DEPTH, 2, 0, 0));
+	contract_breaks("replay_area_is_sound", replay_with_area(render, STILB_RENDER_TARGET_DEPTH, 1, 5, 4));
+	contract_breaks("shadows_are_sound", replay_with_shadows(render, whole, (stilb_render_shadow){0, 1},
+	                                                         STILB_RENDER_MAX_SHADOW_FILTER + 1));
+	contract_breaks("shadows_are_sound",
+	                replay_with_shadows(render, (stilb_render_shadow_map){.layer = 2, .area = {0, 0, 16, 16}},
+	                                    (stilb_render_shadow){0, 1}, 2));
+	contract_breaks("shadows_are_sound", replay_with_shadows(render, (stilb_render_shadow_map){.area = {0, 0, 4, 4}},
+	                                                         (stilb_render_shadow){0, 1}, 2));
+	contract_breaks("shadow_is_sound", replay_with_shadows(render, whole, (stilb_render_shadow){0, 2}, 2));
+	contract_breaks("shadow_is_sound", replay_with_shadows(render, part, (stilb_render_shadow){0, 1}, 2));
+}
+
+/* A frame of a view with one light, of which the caller has made something wrong. */
+static void replay_lit(stilb_render *render, stilb_render_view view, stilb_scene_light light)
+{
+	stilb_render_pass pass = {0};
+	view.view_projection = stilb_mat4_identity();
+	view.shading = stilb_render_shading_default();
+	view.lights = &light;
+	view.light_count = 1;
+	stilb_render_frame_begin(render);
+	stilb_render_pass_begin(render, 0, 0);
+	stilb_render_pass_end(render, 0);
+	stilb_render_replay(render, &pass, 1, &view, 1, NULL, 0);
+}
+
+/* What only a program can get wrong of lights; what users type and files have is refused with a message. */
+static void lights(void **state)
+{
+	(void)state;
+	stilb_render *render = fixture_render(1, STILB_RENDER_REPLAY_DIRECT, STILB_RENDER_MATERIALS_INDEX);
+	stilb_scene_light good = {.kind = STILB_SCENE_LIGHT_POINT, .intensity = {1, 1, 1}}, bad = good;
+	contract_breaks("light_tolerance", replay_lit(render, (stilb_render_view){.light_tolerance = -1.0f}, good));
+	contract_breaks("light_tolerance", replay_lit(render, (stilb_render_view){.light_tolerance = NAN}, good));
+	contract_breaks("light_fade", replay_lit(render, (stilb_render_view){.light_fade = -1.0f}, good));
+	contract_breaks("stilb_render_light_peak", replay_lit(render, (stilb_render_view){.light_tolerance = 0.5f}, good));
+	contract_breaks("scene && shading", stilb_render_light_peak(NULL, NULL) > 0.0f);
+	bad.intensity[0] = NAN;
+	contract_breaks("stilb_scene_light_mistake", replay_lit(render, (stilb_render_view){0}, bad));
+	bad = good;
+	bad.intensity[1] = -1.0f;
+	contract_breaks("stilb_scene_light_mistake", replay_lit(render, (stilb_render_view){0}, bad));
+	contract_breaks("lighting_is_known", stilb_render_prepare_view(render, &(stilb_render_view){.lighting = 99}));
+	contract_breaks("way <", stilb_render_lighting_is_of_one_sample(STILB_RENDER_LIGHTING_WAYS));
+	contract_breaks("texels", stilb_render_count_lights(NULL, 1).pixels);
+	stilb_render_destroy(render);
+}
+
 static void order(void **state)
 {
 	(void)state;
@@ -189,7 +275,7 @@ static void order(void **state)
 	contract_breaks("render->state == RENDER_FRAME_REPLAYED", stilb_render_present(render));
 	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
 	contract_breaks("a pass is recorded once a frame", begin_twice(render, 3));
-	contract_breaks("pass < 64", begin_twice(render, STILB_RENDER_MAX_PASSES));
+	contract_breaks("pass < 256", begin_twice(render, STILB_RENDER_MAX_PASSES));
 	contract_breaks("every pass that was begun has ended", frame_inside_a_pass(render));
 	contract_breaks("a segment is recorded once", same_segment_twice(render));
 	contract_breaks("segment < lists->segment_count", segment_of_no_pass(render));
@@ -209,9 +295,12 @@ static void order(void **state)
 	     .width = 8,
 	     .height = 8,
 	     .place = {0, 0, 8, 8}},
+		{.name = "many", .kind = STILB_RENDER_TARGET_DEPTH, .width = 8, .height = 8, .layers = 257},
+		{.name = "layers of light", .width = 8, .height = 8, .layers = 2},
 	};
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
 		contract_breaks("replay_target_is_sound", replay_with_target(render, wrong[i]));
+	shadows(render);
 	contract_breaks("replay_lists_is_sound", replay_a_damaged_run(render));
 	contract_breaks("!pass->sort", sorted_2d_pass(render));
 	contract_breaks("worker < render->context_count", stilb_render_context_get(render, 1));
@@ -293,9 +382,9 @@ static void sets_of_ranges(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(creation),       cmocka_unit_test(threads), cmocka_unit_test(locks),
-		cmocka_unit_test(order),          cmocka_unit_test(draws),   cmocka_unit_test(handles),
-		cmocka_unit_test(sets_of_ranges),
+		cmocka_unit_test(creation), cmocka_unit_test(threads),        cmocka_unit_test(locks),
+		cmocka_unit_test(order),    cmocka_unit_test(lights),         cmocka_unit_test(draws),
+		cmocka_unit_test(handles),  cmocka_unit_test(sets_of_ranges),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

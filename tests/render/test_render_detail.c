@@ -268,6 +268,33 @@ static void trembling_switches_nothing(void **state)
 	stilb_job_pool_destroy(pool);
 }
 
+/* The map of a light has the levels that it asks for, whatever was drawn before. */
+static void maps_remember_nothing(void **state)
+{
+	(void)state;
+	static const stilb_render_target target = {
+		.name = "map", .kind = STILB_RENDER_TARGET_DEPTH, .width = WIDTH, .height = HEIGHT};
+	stilb_job_pool *pool = make_pool(0);
+	stilb_render *used = make_render(STILB_RENDER_REPLAY_INDIRECT, 0);
+	uint32_t others = 0;
+	for (uint32_t frame = 0; frame < 12; frame++) {
+		stilb_render *fresh = make_render(STILB_RENDER_REPLAY_INDIRECT, 0);
+		stilb_render_view view = view_at(20.0f + 2.0f * (float)(frame * 5 % 12), STILB_RENDER_DETAIL_POP);
+		draw(used, &view, pool);
+		uint64_t remembered = stilb_render_triangles(used);
+		view.target = &target;
+		view.shadow = true;
+		draw(used, &view, pool);
+		draw(fresh, &view, pool);
+		assert_true(stilb_render_triangles(used) == stilb_render_triangles(fresh));
+		others += remembered != stilb_render_triangles(used);
+		stilb_render_destroy(fresh);
+	}
+	assert_true(others > 0); /* a camera's view remembers */
+	stilb_render_destroy(used);
+	stilb_job_pool_destroy(pool);
+}
+
 /* From near to far: in each of 15 frames both levels are drawn, with complementary shares that grow by a sixteenth. */
 static void fades_take_sixteen_frames(void **state)
 {
@@ -698,6 +725,7 @@ int main(void)
 		cmocka_unit_test(other_views),
 		cmocka_unit_test(rooms_are_the_same_four_at_a_time),
 		cmocka_unit_test(trembling_switches_nothing),
+		cmocka_unit_test(maps_remember_nothing),
 		cmocka_unit_test(fades_take_sixteen_frames),
 		cmocka_unit_test(allowed_levels_of_long_chains),
 		cmocka_unit_test(steps),

@@ -203,7 +203,11 @@ static void fill_views(stilb_render_view views[2])
 		views[v].lights = v ? &lights[2] : lights;
 		views[v].light_count = v ? 1 : 2;
 		views[v].both_sides = v == 0;
+		views[v].ambient = v ? STILB_RENDER_AMBIENT_SH_PIXEL : STILB_RENDER_AMBIENT_HEMISPHERE;
 		views[v].target = v ? NULL : &inset;
+		views[v].light_fade = v ? 0.0f : 450.0f; /* the light that ends is seen as 700 pixels */
+		views[v].light_tolerance = v ? 0.25f : 0.0f;
+		views[v].light_peak = v ? 2.0f : 0.0f;
 	}
 }
 
@@ -309,6 +313,38 @@ static void the_same_stream_comes_back(void **state)
 		stilb_job_pool_destroy(pool);
 	}
 	free(bytes);
+}
+
+/* Lights fade as in the picture that was saved, also in one that is eight times as high. */
+static void lights_fade_as_they_did(void **state)
+{
+	(void)state;
+	static const uint32_t heights[] = {32, 256, 8};
+	frame f = {.render = make_render(1, 0, 0, true)};
+	stilb_job_pool *pool = make_pool(0);
+	stilb_render_dump *dump;
+	stilb_render_view views[2];
+	make_resources(&f);
+	dump_frame(&f, PATH);
+	fill_views(views);
+	views[1].lights = lights;
+	views[1].light_count = 2;
+	views[1].light_fade = 800.0f; /* the light that ends is seen as 1,120 pixels */
+	assert_int_equal(stilb_render_dump_save(f.render, passes, 2, views, 2, PATH), STILB_OK);
+	stilb_render_destroy(f.render);
+	assert_int_equal(stilb_render_dump_load(PATH, &dump), STILB_OK);
+	for (int h = 0; h < 3; h++) {
+		stilb_render *render = make_render(1, 0, 0, true);
+		assert_int_equal(stilb_render_resize(render, 64, heights[h]), STILB_OK);
+		assert_int_equal(stilb_render_dump_upload(dump, render), STILB_OK);
+		assert_int_equal(play(dump, render, pool), STILB_OK);
+		stilb_render_stats stats = stilb_render_stats_get(render);
+		assert_int_equal(stats.light_faded, 2); /* and that of the inset */
+		assert_int_equal(stats.light_gone, 0);
+		stilb_render_destroy(render);
+	}
+	stilb_render_dump_destroy(dump);
+	stilb_job_pool_destroy(pool);
 }
 
 static void only_what_is_used_is_in_it(void **state)
@@ -515,7 +551,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 13"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 15"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
@@ -550,10 +586,18 @@ static const struct damage {
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x7fc00000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_VIEWS, VIEW(time), 0x7fc00000, "view 0: its time is not finite"},
 	{RENDER_DUMP_VIEWS, VIEW(lighting), STILB_RENDER_LIGHTING_WAYS,
-     "view 0: its time is not finite, or way 5 of lighting unknown"},
-	{RENDER_DUMP_VIEWS, VIEW(lighting), STILB_RENDER_COVERAGE_WAYS << 8, "view 0: its time is not finite, or way 768"},
+     "view 0: its time is not finite, or way 11 of lighting unknown"},
+	{RENDER_DUMP_VIEWS, VIEW(lighting), STILB_RENDER_COVERAGE_WAYS << 8, "view 0: its time is not finite, or way 1024"},
+	{RENDER_DUMP_VIEWS, VIEW(light_tolerance), 0xbf800000u, "view 0: tolerance -1 of light"},
+	{RENDER_DUMP_VIEWS, VIEW(light_tolerance), 0x3f000000u, "view 0: tolerance 0.5 of light, peak 0"},
+	{RENDER_DUMP_VIEWS, VIEW(light_peak), 0x7fc00000u, "view 0: tolerance 0 of light, peak nan"},
+	{RENDER_DUMP_VIEWS, VIEW(light_fade), 0xbf800000u, "view 0: its lights fade at -1 of 20 pixels of height"},
+	{RENDER_DUMP_VIEWS, VIEW(light_fade_height), 0, "view 0: its lights fade at 450 of 0 pixels of height"},
+	{RENDER_DUMP_VIEWS, VIEW(light_fade_height), 16385, "view 0: its lights fade at 450 of 16385 pixels of height"},
 	{RENDER_DUMP_VIEWS, VIEW(lighting), STILB_RENDER_GBUFFER_KINDS << 16,
      "view 0: its time is not finite, or way 131072"},
+	{RENDER_DUMP_VIEWS, VIEW(lighting), (uint32_t)STILB_RENDER_AMBIENT_KINDS << 24,
+     "view 0: its time is not finite, or way 100663296"},
 	{RENDER_DUMP_LIGHTS, 96, 6, "light 1: its kind is unknown"},
 	{RENDER_DUMP_LIGHTS, offsetof(render_dump_light, unused), 1, "light 0: its unused bytes are not zero"},
 	{RENDER_DUMP_LIGHTS, 96 + offsetof(render_dump_light, half_x), 0x40000000, "light 1: its sides and its direction"},
@@ -811,6 +855,7 @@ int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_same_stream_comes_back),
+		cmocka_unit_test(lights_fade_as_they_did),
 		cmocka_unit_test(only_what_is_used_is_in_it),
 		cmocka_unit_test(a_scene_keeps_its_ids),
 		cmocka_unit_test(what_cannot_be_dumped),

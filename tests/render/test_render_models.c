@@ -1,8 +1,8 @@
 /* Model files in frames and by rays: each is drawn without a message of the validation layer, and one without textures
- * looks as `render --integrator direct --no-shadows` has it, to 1 % of the largest value, silhouettes aside, on Lambert
- * in its own light. A handful of formats; with STILB_MODELS=all in the environment every file of Debian's package
- * assimp-testmodels that opens, and with STILB_MODELS=FOLDER every one below that folder, a line for each. With
- * STILB_TRUTH_PICTURES=FOLDER the pictures and their difference, times 10, are written there. */
+ * looks as `render --integrator direct --shadows off` has it, to 1 % of the largest value, silhouettes aside, on
+ * Lambert in its own light. A handful of formats; with STILB_MODELS=all in the environment every file of Debian's
+ * package assimp-testmodels that opens, and with STILB_MODELS=FOLDER every one below that folder, a line for each.
+ * With STILB_TRUTH_PICTURES=FOLDER the pictures and their difference, times 10, are written there. */
 #include "gi/gi_render.h"
 #include "image/image_compare.h"
 #include "render/render.h"

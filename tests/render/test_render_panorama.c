@@ -1,6 +1,7 @@
 /* What frames are given of a panorama, without a device: its light at random normals against the sum over all texels,
  * and the same bytes for any number of workers, at once or in slices. */
 #include "numeric/numeric_dfg.h"
+#include "numeric/numeric_sh.h"
 #include "panorama_exact.h"
 #include "render/render_panorama.h"
 #include "shading/shade_environment.h"
@@ -300,7 +301,51 @@ static void same_is_the_same(const made *a, const made *b)
 	assert_memory_equal(a->dfg, b->dfg, sizeof a->dfg);
 	assert_int_equal(a->panorama.lamp_count, b->panorama.lamp_count);
 	assert_memory_equal(a->panorama.lamps, b->panorama.lamps, sizeof a->panorama.lamps);
+	assert_memory_equal(&a->panorama.around, &b->panorama.around, sizeof a->panorama.around);
 	assert_true(a->panorama.key == b->panorama.key);
+}
+
+/* The means of the halves and the harmonics, lamps included, are those of the panorama's texels: the light of a cell
+ * that shines from its middle is off by less than 1e-5 of all light, that of a texel that two rows of cells share by as
+ * much as the texel is wide: none lies on the horizon here. A narrow light is blurred until its irradiance is nowhere
+ * negative, all other light not at all. */
+static void ambient_light_is_that_of_all_texels(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 11};
+	for (int narrow = 0; narrow < 2; narrow++) {
+		stilb_image map = random_map(&random, 256, 128);
+		for (uint32_t i = 0; i < 256 * 128; i++) { /* a spot of 20 degrees in the dark */
+			bool spot = i % 256 > 200 && i % 256 < 215 && i / 256 > 40 && i / 256 < 55;
+			for (uint32_t c = 0; c < 3; c++)
+				((float *)map.pixels)[3 * i + c] *= narrow && !spot ? 0.0f : 1.0f;
+		}
+		made m = made_of(&map);
+		const render_panorama_around *around = &m.panorama.around;
+		shade_sh_rgb exact;
+		assert_int_equal(stilb_numeric_sh_project_map(&map, &exact), STILB_OK);
+		double halves[2] = {0.0, 0.0};
+		for (uint32_t i = 0; i < 256 * 128; i++)
+			halves[i / 256 >= 64] += (double)((float *)map.pixels)[3 * i + 1] *
+			                         (cos(M_PI * (i / 256) / 128.0) - cos(M_PI * (i / 256 + 1) / 128.0)) / 256.0;
+		assert_true(fabs((double)around->sky[1] - halves[0]) <= 1e-5 * (halves[0] + halves[1]));
+		assert_true(fabs((double)around->ground[1] - halves[1]) <= 1e-5 * (halves[0] + halves[1]));
+		double blur = -0.5 * log((double)around->harmonics.g.c[1] / (double)exact.g.c[1]);
+		double least = 1.0;
+		for (int i = 0; i < 9; i++) {
+			int l = i == 0 ? 0 : i < 4 ? 1 : 2;
+			double wanted = (double)exact.g.c[i] * exp(-l * (l + 1) * blur);
+			assert_true(fabs((double)around->harmonics.g.c[i] - wanted) <= 3e-5 * (double)exact.g.c[0]);
+		}
+		for (int i = 0; i < 5000; i++) {
+			stilb_vec3 n = shade_proof_random_direction(&random);
+			least = fmin(least, (double)shade_sh_irradiance(around->harmonics.g, n) / (double)exact.g.c[0]);
+		}
+		assert_true(narrow ? blur > 0.05 && blur <= 0.0931 : fabs(blur) < 1e-3);
+		assert_true(narrow ? least > -1e-3 && least < 0.01 : least > 0.1);
+		made_finish(&m);
+		stilb_image_finish(&map);
+	}
 }
 
 static void workers_and_slices_change_nothing(void **state)
@@ -498,6 +543,7 @@ int main(void)
 		test_one_thread(suns_are_lamps),
 		test_one_thread(lamps_set_behind_the_horizon),
 		test_one_thread(windows_and_stripes_are_no_lamps),
+		cmocka_unit_test(ambient_light_is_that_of_all_texels),
 		cmocka_unit_test(workers_and_slices_change_nothing),
 		test_one_thread(the_last_one_is_shown_until_the_next_is_made),
 		test_one_thread(texels_are_the_nearest_halves),

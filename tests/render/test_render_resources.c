@@ -631,7 +631,7 @@ static void a_texture_that_the_device_refuses(void **state)
 	things_create(render, things, 0, 1);
 	for (int i = 0; i < 20; i++) {
 		stilb_render_texture texture = {77};
-		gpu.texture_result = STILB_ERROR_DEVICE;
+		atomic_store_explicit(&gpu.texture_result, STILB_ERROR_DEVICE, memory_order_relaxed);
 		assert_int_equal(gpu_texture_create(render, 1, &texture), STILB_ERROR_DEVICE);
 		assert_int_equal(texture.id, 0);
 		assert_books(render);

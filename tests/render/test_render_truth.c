@@ -1,4 +1,4 @@
-/* Frames against the path tracer: live pictures without shadows equal `render --integrator direct --no-shadows` within
+/* Frames against the path tracer: live pictures without shadows equal `render --integrator direct --shadows off` within
  * 1e-3 of the largest value, silhouettes aside, for each kind of light alone: without a size under any model, with one
  * and under the sky or a panorama on Lambert. Frames shade eight by eight points of a pixel, of which the mean is
  * compared. With STILB_TRUTH_PICTURES=FOLDER in the environment the pictures and their difference, times 100, are
@@ -90,6 +90,8 @@ static double half(uint16_t bits)
 	return exponent ? ldexp(1024 + mantissa, exponent - 25) : ldexp(mantissa, -24);
 }
 
+static stilb_render_ambient ambient; /* of frames */
+
 /* The frame's points, HEIGHT * FINE rows of WIDTH * FINE; to be freed. */
 static stilb_image frame_of(stilb_render *render, const stilb_scene *scene, const stilb_render_shading *shading)
 {
@@ -99,6 +101,7 @@ static stilb_image frame_of(stilb_render *render, const stilb_scene *scene, cons
 		.lights = scene->lights,
 		.light_count = scene->light_count,
 		.surroundings = scene->surroundings,
+		.ambient = ambient,
 		.shading = *shading,
 	};
 	memcpy(view.camera_position, scene->camera.position, sizeof view.camera_position);
@@ -949,6 +952,123 @@ static void gloss_table(uint32_t samples, const char *folder)
 	stilb_render_destroy(render);
 }
 
+/* ---- ambient light ----------------------------------------------------------------------------------------------- */
+
+typedef struct ambient_case {
+	const char *name;
+	bool panorama;
+	panorama_kind kind;
+	double off; /* of matt surfaces by SH_PIXEL: of the largest value, RMS */
+} ambient_case;
+
+/* Three bands hold 99.2 % of the cosine's square, so that of one narrow light, the worst case, a root of the mean
+ * square of 3.7 % of the largest irradiance is left; where it is blurred lest it be negative, up to 15.6 %, the loss
+ * where a surface faces it. Of sky and ground they are exact, and it is the noise of rays. */
+static const ambient_case ambient_cases[] = {
+	{"sky and ground", false, PANORAMA_EVEN, 1e-3},
+	{"light without edges", true, PANORAMA_SMOOTH, 0.037},
+	{"sky with a sun", true, PANORAMA_SUN, 0.037}, /* which is a light */
+	{"room with windows", true, PANORAMA_ROOM, 0.156},
+};
+
+#define AMBIENT_CASES (sizeof ambient_cases / sizeof *ambient_cases)
+
+static stilb_scene *ambient_scene(const ambient_case *c)
+{
+	stilb_scene_surroundings around = {.sky = {0.6f, 0.8f, 1.2f}, .ground = {0.4f, 0.3f, 0.2f}, .glossy = true};
+	if (c->panorama)
+		around = panorama_of(c->kind, 360);
+	stilb_scene *scene = scene_of(NULL, &around);
+	stilb_image_finish(&around.panorama);
+	return scene;
+}
+
+static const stilb_scene_material ambient_matt = {.diffuse = {0.7f, 0.6f, 0.5f}, .roughness = 1.0f};
+
+/* How far frames by each kind are from rays. */
+static void ambient_measure(stilb_render *render, const ambient_case *c, const stilb_scene_material *material,
+                            const stilb_render_shading *shading, uint32_t samples,
+                            gloss_error errors[STILB_RENDER_AMBIENT_KINDS])
+{
+	static picture live, one, two;
+	look = material;
+	stilb_scene *scene = ambient_scene(c);
+	traced_picture_of(scene, shading, samples, 1, &one);
+	traced_picture_of(scene, shading, samples, 2, &two);
+	for (int kind = 0; kind < STILB_RENDER_AMBIENT_KINDS; kind++) {
+		ambient = (stilb_render_ambient)kind;
+		live_picture(render, scene, shading, &live);
+		errors[kind] = gloss_measure(&live, &one, &two);
+	}
+	ambient = STILB_RENDER_AMBIENT_ENVIRONMENT;
+	stilb_scene_destroy(scene);
+	look = NULL;
+}
+
+static void ambient_light_is_as_traced(void **state)
+{
+	(void)state;
+	stilb_render *render = render_make();
+	find_inside(render);
+	for (size_t i = 0; i < AMBIENT_CASES; i++) {
+		gloss_error errors[STILB_RENDER_AMBIENT_KINDS];
+		const ambient_case *c = &ambient_cases[i];
+		ambient_measure(render, c, &ambient_matt, &(stilb_render_shading){.brdf = SHADE_BRDF_LAMBERT}, SAMPLES_NOISY,
+		                errors);
+		double noise = errors[0].noise;
+		for (int kind = 0; kind < STILB_RENDER_AMBIENT_KINDS; kind++)
+			printf("%-20s %-12s %.1e\n", c->name, stilb_render_ambient_names[kind], errors[kind].rms);
+		printf("%-20s %-12s %.1e\n", c->name, "noise", noise);
+		assert_true(errors[STILB_RENDER_AMBIENT_ENVIRONMENT].rms <= BOUND + noise);
+		assert_true(errors[STILB_RENDER_AMBIENT_SH_PIXEL].rms <= c->off + noise);
+		assert_true(errors[STILB_RENDER_AMBIENT_SH_VERTEX].rms <= c->off + noise);
+		assert_true(errors[STILB_RENDER_AMBIENT_SH_PIXEL].rms < errors[STILB_RENDER_AMBIENT_CONSTANT].rms);
+		if (!c->panorama)
+			assert_true(errors[STILB_RENDER_AMBIENT_HEMISPHERE].rms <= BOUND + noise);
+	}
+	stilb_render_destroy(render);
+}
+
+/* Prints how far frames by each kind are from rays, as Markdown. samples: of a pixel, for each of two pictures. */
+static void ambient_table(uint32_t samples)
+{
+	static const stilb_scene_material metal = {.specular = {0.9f, 0.7f, 0.4f}, .roughness = 0.3f},
+									  rough = {.specular = {0.9f, 0.7f, 0.4f}, .roughness = 0.7f};
+	static const struct {
+		const char *name;
+		const stilb_scene_material *material;
+		stilb_render_shading shading;
+	} looks[] = {
+		{"matt", &ambient_matt, {.brdf = SHADE_BRDF_LAMBERT}},
+		{"metal, roughness 0.7",
+	     &rough,
+	     {.brdf = SHADE_BRDF_MICROFACET, .ndf = SHADE_NDF_GGX, .g = SHADE_G_SMITH_GGX, .f = SHADE_F_SCHLICK}},
+		{"metal, roughness 0.3",
+	     &metal,
+	     {.brdf = SHADE_BRDF_MICROFACET, .ndf = SHADE_NDF_GGX, .g = SHADE_G_SMITH_GGX, .f = SHADE_F_SCHLICK}},
+	};
+	stilb_render *render = render_make();
+	double noise = 0.0;
+	find_inside(render);
+	printf("| surroundings | surface |");
+	for (int kind = 0; kind < STILB_RENDER_AMBIENT_KINDS; kind++)
+		printf(" %s |", stilb_render_ambient_names[kind]);
+	printf("\n|---|---|---|---|---|---|---|---|\n");
+	for (size_t i = 0; i < AMBIENT_CASES; i++)
+		for (size_t l = 0; l < sizeof looks / sizeof *looks; l++) {
+			gloss_error errors[STILB_RENDER_AMBIENT_KINDS];
+			ambient_measure(render, &ambient_cases[i], looks[l].material, &looks[l].shading, samples, errors);
+			printf("| %s | %s |", ambient_cases[i].name, looks[l].name);
+			for (int kind = 0; kind < STILB_RENDER_AMBIENT_KINDS; kind++)
+				printf(" %.1f %% |", 100.0 * errors[kind].rms);
+			printf("\n");
+			fflush(stdout);
+			noise = fmax(noise, errors[0].noise);
+		}
+	printf("\nNoise of the rays: %.2f %% at most (RMS).\n", 100.0 * noise);
+	stilb_render_destroy(render);
+}
+
 static int level(void **state)
 {
 	(void)state;
@@ -969,7 +1089,8 @@ static int tear_down(void **state)
 	return 0;
 }
 
-/* With `gloss [SAMPLES]` it prints the table of how far highlights in frames are from rays. */
+/* With `gloss [SAMPLES]` it prints the table of how far highlights in frames are from rays, with `ambient [SAMPLES]`
+ * that of ambient light. */
 int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
@@ -982,11 +1103,18 @@ int main(int argc, char **argv)
 		cmocka_unit_test(a_metal_ball_stays_dark_in_the_furnace),
 		cmocka_unit_test_setup(TEST_ASAN ? test_skip : gloss_under_panoramas_is_as_traced, level),
 		cmocka_unit_test(glossy_balls_have_their_albedo),
+		cmocka_unit_test_setup(TEST_ASAN ? test_skip : ambient_light_is_as_traced, level),
 	};
 	if (argc > 1 && strcmp(argv[1], "gloss") == 0) {
 		set_up(NULL);
 		level(NULL);
 		gloss_table(argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 1024, getenv("STILB_TRUTH_PICTURES"));
+		return tear_down(NULL);
+	}
+	if (argc > 1 && strcmp(argv[1], "ambient") == 0) {
+		set_up(NULL);
+		level(NULL);
+		ambient_table(argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 1024);
 		return tear_down(NULL);
 	}
 	return cmocka_run_group_tests(tests, set_up, tear_down);

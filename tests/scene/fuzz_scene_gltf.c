@@ -113,10 +113,10 @@ static const char *const seeds[] = {
 	SEED_ASSET SEED_BUFFER
 	",\"nodes\":[{\"mesh\":0,\"skin\":0,\"weights\":[0.5,1],\"children\":[1]},{\"rotation\":[0,0,0,1]}],\"meshes\":[{"
 	"\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0,\"TANGENT\":6,\"JOINTS_0\":1,\"WEIGHTS_0\":2,"
-    "\"JOINTS_1\":1,\"WEIGHTS_1\":2},"
+	"\"JOINTS_1\":1,\"WEIGHTS_1\":2},"
 	"\"material\":0,\"targets\":[{\"POSITION\":0,\"NORMAL\":0,\"TANGENT\":0},{\"POSITION\":0}],\"extensions\":{"
 	"\"KHR_materials_variants\":{\"mappings\":[{\"material\":1,\"variants\":[0,1]}]}}}]}],\"materials\":[{"
-    "\"normalTexture\":{"
+	"\"normalTexture\":{"
 	"\"index\":0}},{}],\"textures\":[{\"source\":0}],\"images\":[{\"bufferView\":1,\"mimeType\":\"image/png\"}],"
 	"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":1,"
 	"\"componentType\":5121,\"count\":3,\"type\":\"VEC4\"},{\"bufferView\":1,\"componentType\":5123,\"count\":3,"

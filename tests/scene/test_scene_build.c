@@ -128,6 +128,33 @@ static void nodes_stand_in_their_parents(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* Models have the flags that they were given last, and lists leave out those that have any of some. */
+static void models_have_flags(void **state)
+{
+	(void)state;
+	stilb_scene_build *build = begin();
+	stilb_mat4 here = moved(0.0f, 0.0f, 0.0f);
+	uint32_t node = stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &here);
+	for (uint32_t m = 0; m < 6; m++) {
+		assert_int_equal(stilb_scene_build_model(build, node, &first, 1), m);
+		stilb_scene_build_model_flags(build, m, 7 - m);
+		if (m < 5)
+			stilb_scene_build_model_flags(build, m, m);
+	}
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	assert_int_equal(scene->flags_used, 7);
+	assert_memory_equal(scene->model_flags, ((const uint8_t[]){0, 1, 2, 3, 4, 2}), 6);
+	uint32_t ids[6] = {5, 0, 1, 3, 2, 4};
+	assert_int_equal(stilb_scene_leave_out(scene, 0, ids, 6), 6);
+	assert_int_equal(stilb_scene_leave_out(scene, STILB_SCENE_MODEL_UNSEEN, ids, 6), 4);
+	assert_memory_equal(ids, ((const uint32_t[]){5, 0, 2, 4}), 4 * sizeof *ids);
+	assert_int_equal(stilb_scene_leave_out(scene, 6, ids, 4), 1);
+	assert_int_equal(ids[0], 0);
+	assert_int_equal(stilb_scene_leave_out(scene, 7, NULL, 0), 0);
+	stilb_scene_destroy(scene);
+}
+
 /* Without a camera, one from which all of the scene is in view. */
 static void a_camera_sees_it_all(void **state)
 {
@@ -324,6 +351,18 @@ static void meshes_have_extras(void **state)
 	assert_refused(build, "mesh 1: vertex 2 has");
 }
 
+static void mistakes_in_flags(void **state)
+{
+	(void)state;
+	stilb_mat4 here = moved(0.0f, 0.0f, 0.0f);
+	for (uint32_t m = 0; m < 2; m++) {
+		stilb_scene_build *build = begin();
+		stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &here), &first, 1);
+		stilb_scene_build_model_flags(build, m, 8);
+		assert_refused(build, m ? "there is no model 1" : "model 0: its flags are 8");
+	}
+}
+
 static void mistakes_in_places(void **state)
 {
 	(void)state;
@@ -485,11 +524,13 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(built_in_scenes_are_built_the_same),
 		cmocka_unit_test(nodes_stand_in_their_parents),
+		cmocka_unit_test(models_have_flags),
 		cmocka_unit_test(a_camera_sees_it_all),
 		cmocka_unit_test(mistakes_in_meshes),
 		cmocka_unit_test(mistakes_in_materials),
 		cmocka_unit_test(mistakes_in_surfaces),
 		cmocka_unit_test(meshes_have_extras),
+		cmocka_unit_test(mistakes_in_flags),
 		cmocka_unit_test(mistakes_in_places),
 		cmocka_unit_test(mistakes_in_lights_and_cameras),
 		cmocka_unit_test(a_mesh_is_placed_often),

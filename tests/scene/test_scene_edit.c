@@ -334,10 +334,13 @@ static void lists_name_what_has_changed(void **state)
 	stilb_scene_changes_clear(scene);
 	assert_int_equal(stilb_scene_set_transform(scene, model, &place), STILB_OK);
 	assert_int_equal(scene->moved_count, 0); /* it is hidden */
+	assert_int_equal(stilb_scene_set_model_flags(scene, model, STILB_SCENE_MODEL_UNSEEN), STILB_OK);
+	assert_int_equal(scene->model_flags[model], STILB_SCENE_MODEL_UNSEEN);
 	assert_int_equal(stilb_scene_remove_model(scene, model), STILB_OK);
 	assert_int_equal(scene->part_mesh[1], STILB_SCENE_NONE);
 	assert_int_equal(stilb_scene_add_model(scene, &place, &part, 1, &again), STILB_OK);
 	assert_int_equal(again, model); /* the id is free again */
+	assert_int_equal(scene->model_flags[model], 0);
 	assert_true(scene->bounds.radius[1] > 0.0f);
 	assert_int_equal(stilb_scene_changes_read(scene).vertices_count, 0);
 	assert_int_equal(stilb_scene_set_vertices(scene, 0, 0, 1, &vertex), STILB_OK);
@@ -410,6 +413,8 @@ static void edits_count_what_changes(void **state)
 	REVISED(stilb_scene_show_model(scene, model, false), PLACES);
 	REVISED(stilb_scene_set_transform(scene, model, &place), PLACES); /* seen by who keeps the places of hidden ones */
 	REVISED(stilb_scene_set_part(scene, model, 1, parts[0]), MODELS);
+	REVISED(stilb_scene_set_model_flags(scene, model, 6), MODELS);
+	REVISED(stilb_scene_set_model_flags(scene, model, 6), 0); /* it has them already */
 	REVISED(stilb_scene_remove_model(scene, model), MODELS);
 	REVISED(stilb_scene_add_mesh(scene, &mesh, &id), GEOMETRY);
 	REVISED(stilb_scene_set_mesh(scene, id, &mesh), GEOMETRY);
@@ -546,6 +551,8 @@ static void mistakes_are_told(void **state)
 	REFUSED(stilb_scene_set_part(scene, 0, 1, part), "model 0: there is no part 1");
 	REFUSED(stilb_scene_set_part(scene, 0, 0, no_mesh), "there is no mesh 7");
 	REFUSED(stilb_scene_show_model(scene, 4, true), "there is no model 4");
+	REFUSED(stilb_scene_set_model_flags(scene, 4, 0), "there is no model 4");
+	REFUSED(stilb_scene_set_model_flags(scene, 0, 8), "model 0: its flags are 8");
 	REFUSED(stilb_scene_remove_mesh(scene, 0), "mesh 0 is in use by 1 part;");
 	REFUSED(stilb_scene_remove_material(scene, 0), "material 0 is in use by 1 part;");
 	REFUSED(stilb_scene_remove_texture(scene, 0), "texture 0 is in use by 1 material or surface;");

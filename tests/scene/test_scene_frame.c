@@ -216,6 +216,9 @@ static void meters_what_is_seen(void **state)
 	scene->camera =
 		(stilb_scene_camera){.position = {0, 0, -3}, .yaw = 3.14159265f, .fov_y = 0.7f, .near_z = 0.1f, .far_z = 10.0f};
 	assert_true(metered(scene) == plain);
+	scene->model_flags[0] = STILB_SCENE_MODEL_UNSEEN;
+	assert_true(metered(scene) == 0.0f);
+	scene->model_flags[0] = 0;
 	scene->camera.position[2] = 3.0f; /* it looks away */
 	scene->camera.pitch = 0.0f;
 	assert_true(metered(scene) == 0.0f);
@@ -245,7 +248,7 @@ static void meters_what_is_seen(void **state)
 	assert_stops(metered_once(&spot, NULL, 0), log2(M_PI / 10.0));
 }
 
-/* Models that are gone are not framed. */
+/* Models that are gone, or unseen, are not framed. */
 static void frames_what_is_left(void **state)
 {
 	(void)state;
@@ -258,6 +261,9 @@ static void frames_what_is_left(void **state)
 	assert_int_equal(stilb_scene_add_model(scene, &far, &part, 1, &model), STILB_OK);
 	after = stilb_scene_frame(scene, 0.4f, -0.3f, 1.5f);
 	assert_true(fabsf(after.position[2] - before.position[2]) > 10.0f);
+	assert_int_equal(stilb_scene_set_model_flags(scene, model, STILB_SCENE_MODEL_UNSEEN), STILB_OK);
+	after = stilb_scene_frame(scene, 0.4f, -0.3f, 1.5f);
+	assert_memory_equal(after.position, before.position, sizeof after.position);
 	assert_int_equal(stilb_scene_remove_model(scene, model), STILB_OK);
 	after = stilb_scene_frame(scene, 0.4f, -0.3f, 1.5f);
 	assert_memory_equal(after.position, before.position, sizeof after.position);

@@ -209,6 +209,29 @@ static void instances(void **state)
 	               "accessor 0 has 3 elements for 2 instances");
 }
 
+/* A mesh's extras count for all nodes that show it, a node's for that node, instances included. Other extras, of any
+ * kind, say nothing of it. */
+static void extras_say_what_models_are(void **state)
+{
+	(void)state;
+	begin();
+	put(triangle, sizeof triangle);
+	put((const float[]){1, 0, 0, 0, 2, 0}, 24);
+	stilb_scene *scene = open_glb(
+		"\"nodes\":[{\"mesh\":0},{\"mesh\":1},{\"mesh\":1,\"extras\":{\"castShadow\":true,\"seen\":0}},"
+		"{\"mesh\":0,\"extras\":{\"receiveShadow\":false,\"my\":[1]},\"extensions\":{\"EXT_mesh_gpu_instancing\":{"
+		"\"attributes\":{\"TRANSLATION\":1}}}},{\"mesh\":0,\"extras\":7},{\"mesh\":0,\"extras\":{\"seen\":\"no\"},"
+		"\"name\":\"odd\"},{\"mesh\":0,\"extras\":{\"castShadow\":2}}],\"scenes\":[{\"nodes\":[0,1,2,3,4,5,6]}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},"
+		"{\"primitives\":[{\"attributes\":{\"POSITION\":0}}],\"extras\":{\"castShadow\":false,\"receiveShadow\":1}}],"
+		"\"accessors\":[" VEC3(0) ",{\"bufferView\":1,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"}]");
+	assert_int_equal(scene->model_count, 8);
+	assert_memory_equal(scene->model_flags, ((const uint8_t[]){0, 2, 1, 4, 4, 0, 0, 0}), 8);
+	assert_said(
+		"seen, castShadow and receiveShadow of extras count where they are true or false: 2 nodes ('odd', ...)");
+	stilb_scene_destroy(scene);
+}
+
 /* ---- compression ------------------------------------------------------------------------------------------------- */
 
 /* Three views of buffer 1, vertices, triangles and normals; count: of the vertices. */
@@ -821,6 +844,7 @@ int main(void)
 		cmocka_unit_test(normals),
 		cmocka_unit_test(scenes_and_nodes),
 		cmocka_unit_test(instances),
+		cmocka_unit_test(extras_say_what_models_are),
 		cmocka_unit_test(meshopt),
 		cmocka_unit_test(draco),
 		cmocka_unit_test(lights),

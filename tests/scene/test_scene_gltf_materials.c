@@ -272,7 +272,7 @@ static const char layers_sheen[] =
 	"\"KHR_materials_sheen\":{\"sheenColorFactor\":[0.5,2,0.25],\"sheenColorTexture\":" LAYER_MAP
 	",\"sheenRoughnessFactor\":0.375,\"sheenRoughnessTexture\":" LAYER_MAP "}";
 static const char layers_brushed[] = "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":0.625,"
-                                     "\"anisotropyRotation\":-4,\"anisotropyTexture\":" LAYER_MAP "}";
+									 "\"anisotropyRotation\":-4,\"anisotropyTexture\":" LAYER_MAP "}";
 static const char layers_through[] =
 	"\"KHR_materials_transmission\":{\"transmissionFactor\":0.875,\"transmissionTexture\":" LAYER_MAP
 	"},\"KHR_materials_volume\":{\"thicknessFactor\":3,\"thicknessTexture\":" LAYER_MAP

@@ -146,6 +146,9 @@ static void a_board_darkens_the_floor(void **state)
 	stilb_scene *scene = studio_of(table, 2);
 	assert_near(covered_at(scene, 0.01f, 0.01f), 1.1 * 16.0 / 20.0, 0.06); /* a square has corners, too */
 	assert_true(covered_at(scene, 7, 0) < covered_at(scene, 5, 0) && covered_at(scene, 5, 0) < 0.5);
+	scene->model_flags[0] = STILB_SCENE_MODEL_CASTS_NO_SHADOW;
+	assert_int_equal(stilb_scene_set_studio(scene, 0.3f), STILB_OK);
+	assert_true(covered_at(scene, 0.01f, 0.01f) < 0.05); /* the leg's */
 	stilb_scene_destroy(scene);
 	static const rectangle mat = {{0, 0, 0}, {4, 0, 0}, {0, 0, -4}, 0};
 	scene = studio_of(&mat, 1);

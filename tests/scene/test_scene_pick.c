@@ -85,6 +85,9 @@ static void test_the_nearest_front_is_met(void **state)
 	assert_int_equal(hit.model, 2);
 	assert_float_equal(hit.distance, 12.0, 1e-12);
 	assert_float_equal(hit.position[2], 2.0f, 0.0f);
+	assert_int_equal(stilb_scene_set_model_flags(scene, 2, STILB_SCENE_MODEL_UNSEEN), STILB_OK);
+	assert_true(stilb_scene_pick(scene, &ray, &hit));
+	assert_int_equal(hit.model, 0);
 	stilb_scene_destroy(scene);
 }
 

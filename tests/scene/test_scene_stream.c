@@ -75,6 +75,7 @@ static stilb_scene *make(void)
 	}
 	strcpy(scene->nodes.name[2], "hand\tle");
 	scene->model_node[0] = 3;
+	scene_set_model_flags(scene, 0, STILB_SCENE_MODEL_UNSEEN | STILB_SCENE_MODEL_RECEIVES_NO_SHADOW);
 	assert_int_equal(scene_add_mounts(&scene->light_mounts, 1), STILB_OK);
 	assert_int_equal(scene_add_mounts(&scene->camera_mounts, 1), STILB_OK);
 	scene->light_mounts[0] = scene_mount_of_light(&scene->lights[0], 2);
@@ -106,6 +107,7 @@ static void a_scene_comes_back_the_same(void **state)
 	assert_memory_equal(back->nodes.pose, scene->nodes.pose, 3 * sizeof *scene->nodes.pose);
 	assert_true(back->model_node[0] == 3 && back->nodes.to_world[2].m[13] == 2.0f * 2.0f + 0.0f);
 	assert_true(back->nodes.to_world[2].m[0] == 4.0f && back->nodes.to_world[2].m[12] == 3.0f);
+	assert_true(back->model_flags[0] == 5 && back->flags_used == 5);
 	assert_memory_equal(back->light_mounts, scene->light_mounts, sizeof *scene->light_mounts);
 	assert_memory_equal(back->camera_mounts, scene->camera_mounts, sizeof *scene->camera_mounts);
 	assert_true(back->surroundings.ground[1] == 0.25f && back->bounds.radius[0] == scene->bounds.radius[0]);
@@ -156,6 +158,12 @@ static void what_is_announced_is_not_believed(void **state)
 	assert_non_null(strstr(stilb_error_message(), "tangents or colours"));
 	free(bytes);
 	scene->meshes[0].extras[0].tangent[0] = 0.0f;
+	scene->model_flags[0] = 8;
+	bytes = bytes_of(scene, &size);
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "models"));
+	free(bytes);
+	scene->model_flags[0] = 0;
 	scene->materials[0].surface = 1; /* and a texture */
 	bytes = bytes_of(scene, &size);
 	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);

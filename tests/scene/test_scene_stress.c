@@ -484,6 +484,39 @@ static void test_lamps(void **state)
 	stilb_scene_destroy(other);
 }
 
+/* Bulbs hang on strings of fifty: neighbours equally far apart along one axis, the middle lower than the ends, and the
+ * whole string over the field at any time. */
+static void test_strings(void **state)
+{
+	(void)state;
+	enum { LAMPS = 230, WHOLE = LAMPS / STILB_SCENE_STRING };
+	stilb_scene *scene = make(900, 3);
+	assert_int_equal(stilb_scene_stress_add_lamps(scene, LAMPS), STILB_OK);
+	stilb_scene_stress_hang_strings(scene);
+	float across[WHOLE + 1];
+	for (int moment = 0; moment < 20; moment++) {
+		stilb_scene_stress_move_lamps(scene, 0.37 * moment);
+		assert_int_equal(scene->light_count, 1 + LAMPS);
+		for (uint32_t i = 0; i < LAMPS; i++) {
+			const stilb_scene_light *bulb = &scene->lights[1 + i], *before = bulb - 1;
+			uint32_t string = i / STILB_SCENE_STRING, along = string % 2 == 0 ? 0 : 2, place = i % STILB_SCENE_STRING;
+			assert_null(stilb_scene_light_mistake(bulb));
+			assert_true(bulb->intensity[0] > bulb->intensity[1] && bulb->intensity[1] > bulb->intensity[2]);
+			assert_true(fabsf(bulb->position[0]) < 30.5f && fabsf(bulb->position[2]) < 30.5f);
+			assert_true(place != STILB_SCENE_STRING / 2 || bulb->position[1] < 2.81f);
+			assert_true(bulb->position[1] > 2.79f && bulb->position[1] < 3.6f);
+			if (place == 0) {
+				across[string] = bulb->position[2 - along];
+				continue;
+			}
+			assert_true(fabsf(bulb->position[along] - before->position[along] - 30.0f / STILB_SCENE_STRING) < 1e-4f);
+			assert_int_equal(bulb->position[1] < before->position[1], place <= STILB_SCENE_STRING / 2 - 1);
+			assert_true(fabsf(bulb->position[2 - along] - across[string]) < 0.2f);
+		}
+	}
+	stilb_scene_destroy(scene);
+}
+
 /* ---- bounds and animation ---------------------------------------------------------------------------------------- */
 
 /* Bounds hold every vertex and are tight. */
@@ -683,6 +716,7 @@ int main(void)
 		cmocka_unit_test(test_light_choices),
 		cmocka_unit_test(test_bounds),
 		cmocka_unit_test(test_lamps),
+		cmocka_unit_test(test_strings),
 		cmocka_unit_test(test_animate_moves_a_tenth),
 		cmocka_unit_test(test_animate_is_a_function_of_time),
 		cmocka_unit_test(test_view_all_sees_everything),

@@ -250,11 +250,78 @@ static void other_models_take_nothing(void **state)
 		}
 }
 
+/* The largest of many values of shade_brdf_cos as a share of shade_brdf_peak: directions about the mirrored one, from
+ * flat ones on, where microfacets are brightest. */
+static double peak_share(shade_brdf_model model, shade_proof_random *random)
+{
+	double most = 0.0;
+	for (int i = 0; i < 4000; i++) {
+		shade_frame frame = shade_frame_from_normal(stilb_vec3_make(0.0f, 0.0f, 1.0f));
+		float roughness = shade_proof_range(random, 0.05f, 1.0f);
+		shade_brdf_parameters p = {stilb_vec3_make(1.0f, 1.0f, 1.0f), roughness,
+		                           shade_proof_range(random, -0.95f, 0.95f), shade_proof_uniform(random)};
+		float height = i % 4 == 0 ? shade_proof_uniform(random) : shade_proof_log_range(random, 1e-3f, 1.0f);
+		float turn = shade_proof_range(random, 0.0f, 6.2831853f), across = sqrtf(1.0f - height * height);
+		stilb_vec3 v = stilb_vec3_make(across * cosf(turn), across * sinf(turn), height);
+		float tilt = i % 8 == 0 ? 0.0f : shade_proof_log_range(random, 1e-4f, 1.0f);
+		stilb_vec3 l =
+			stilb_vec3_normalize(stilb_vec3_make(-v[0], -v[1], v[2]) + shade_proof_random_direction(random) * tilt);
+		if (i % 16 == 1) /* the brightest of the kinds with n.l and no 1 / (n.v) */
+			l = v = frame.n;
+		float bound = shade_brdf_peak(model, p.roughness, p.anisotropy);
+		most = fmax(most, (double)shade_brdf_cos(model, p, frame, l, v)[0] / (double)bound);
+	}
+	return most;
+}
+
+/* The bounds' formulas, in double. */
+static void peaks_have_their_formulas(void **state)
+{
+	(void)state;
+	double pi = 3.14159265358979, epsilon = (double)SHADE_COSINE_EPSILON;
+	static const float widths[][2] = {{0.01f, 0.01f}, {0.2f, 0.6f}, {1.7f, 0.3f}};
+	for (size_t i = 0; i < sizeof widths / sizeof *widths; i++) {
+		shade_alphas alphas = {widths[i][0], widths[i][1]};
+		double x = (double)widths[i][0], y = (double)widths[i][1], wide = fmax(x, y), narrow = fmin(x, y);
+		SHADE_PROOF_NEAR(shade_d_peak(SHADE_NDF_BECKMANN, alphas), 1.48 / (pi * x * y), 1e-5, 0.0);
+		SHADE_PROOF_NEAR(shade_d_peak(SHADE_NDF_GGX, alphas), pow(fmax(wide, 1.0), 4.0) / (pi * x * y), 1e-5, 0.0);
+		SHADE_PROOF_NEAR(shade_v_peak(SHADE_G_IMPLICIT, alphas), 0.25, 1e-6, 0.0);
+		SHADE_PROOF_NEAR(shade_v_peak(SHADE_G_NEUMANN, alphas), 0.25, 1e-6, 0.0);
+		SHADE_PROOF_NEAR(shade_v_peak(SHADE_G_KELEMEN, alphas), 0.5 / epsilon, 1e-5, 0.0);
+		SHADE_PROOF_NEAR(shade_v_peak(SHADE_G_COOK_TORRANCE, alphas), 0.5 / epsilon, 1e-5, 0.0);
+		SHADE_PROOF_NEAR(shade_v_peak(SHADE_G_SMITH_BECKMANN, alphas), 0.884 * sqrt(1.0 + 2.56 * wide * wide) / narrow,
+		                 1e-5, 0.0);
+		SHADE_PROOF_NEAR(shade_v_peak(SHADE_G_SMITH_GGX, alphas), 0.5 / narrow, 1e-5, 0.0);
+	}
+	shade_brdf_model minimalist = {SHADE_BRDF_MINIMALIST, 0, 0, 0};
+	double n = (double)shade_exponent_from_alpha(0.25f), lobe = (double)shade_blinn_phong_ndf_factor((float)n);
+	SHADE_PROOF_NEAR(shade_brdf_peak(minimalist, 0.5f, 0.0f), lobe * 0.5 / (epsilon * epsilon), 1e-5, 0.0);
+}
+
+/* A bound that no value is above, and that is not useless: some is above a fifth of it, but where G or minimalist's
+ * form have no bound of their own. */
+static void no_direction_is_brighter_than_the_peak(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 57};
+	for (int index = 0; index < MODEL_COUNT; index++) {
+		shade_brdf_model model = model_of(index);
+		bool facets = model.kind == SHADE_BRDF_MICROFACET;
+		bool open = model.kind == SHADE_BRDF_MINIMALIST ||
+		            (facets && (model.g == SHADE_G_KELEMEN || model.g == SHADE_G_COOK_TORRANCE));
+		double share = peak_share(model, &random);
+		if (share > 1.0 + 1e-4 || share < (open ? 1e-9 : facets ? 0.2 : 0.99))
+			fail_msg("model %d, D %d, G %d, F %d: %g of its peak", model.kind, model.ndf, model.g, model.f, share);
+	}
+}
+
 static const struct CMUnitTest exactness[] = {
 	cmocka_unit_test(frames_stand_on_their_normal),
 	cmocka_unit_test(diffuse_has_its_formulas),
 	cmocka_unit_test(materials_are_limited_to_one),
 	cmocka_unit_test(every_model_has_its_formula),
+	cmocka_unit_test(no_direction_is_brighter_than_the_peak),
+	cmocka_unit_test(peaks_have_their_formulas),
 	cmocka_unit_test(surface_has_its_closed_form),
 	cmocka_unit_test(surface_adds_what_its_kind_says),
 	cmocka_unit_test(surface_turned_away_sees_only_the_sky),

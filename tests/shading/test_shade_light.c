@@ -26,6 +26,59 @@ static void units_are_the_ones_of_their_formulas(void **state)
 	                  0.0);
 }
 
+/* The chromaticity of a linear Rec.709 colour. */
+static void chromaticity_of(stilb_vec3 c, double xy[2])
+{
+	double r = (double)c[0], g = (double)c[1], b = (double)c[2];
+	double x = 0.4124564 * r + 0.3575761 * g + 0.1804375 * b, y = 0.2126729 * r + 0.7151522 * g + 0.0721750 * b;
+	double z = 0.0193339 * r + 0.1191920 * g + 0.9503041 * b;
+	xy[0] = x / (x + y + z);
+	xy[1] = y / (x + y + z);
+}
+
+/* Of CIE's illuminant A, which is a black body of 2856 K, and of its tables of Planck's law. */
+static void glowing_bodies_have_their_colors(void **state)
+{
+	(void)state;
+	static const double known[][3] = {{2856, 0.44757, 0.40745},
+	                                  {2000, 0.52669, 0.41331},
+	                                  {4000, 0.38045, 0.37676},
+	                                  {6500, 0.31352, 0.32363},
+	                                  {10000, 0.28063, 0.28828}};
+	for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+		double xy[2];
+		stilb_vec3 color = shade_color_of_temperature((float)known[i][0]);
+		chromaticity_of(color, xy);
+		SHADE_PROOF_NEAR(fmax((double)color[0], (double)color[2]), 1.0, 1e-6, 0.0);
+		SHADE_PROOF_NEAR(xy[0], known[i][1], 0.0, 4e-4);
+		SHADE_PROOF_NEAR(xy[1], known[i][2], 0.0, 4e-4);
+	}
+	/* The formulas in double, with their limits. */
+	for (int i = 0; i <= 40; i++) {
+		double kelvin = 500.0 * i + 1.0, t = fmin(fmax(kelvin, 1000.0), 15000.0);
+		double u = (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t * t) /
+		           (1.0 + 8.42420235e-4 * t + 7.08145163e-7 * t * t);
+		double v = (0.317398726 + 4.22806245e-5 * t + 4.20481691e-8 * t * t) /
+		           (1.0 - 2.89741816e-5 * t + 1.61456053e-7 * t * t);
+		double x = 3.0 * u / (2.0 * u - 8.0 * v + 4.0), y = 2.0 * v / (2.0 * u - 8.0 * v + 4.0);
+		double xyz[3] = {x / y, 1.0, (1.0 - x - y) / y};
+		double red = 3.2404542 * xyz[0] - 1.5371385 - 0.4985314 * xyz[2];
+		double green = -0.9692660 * xyz[0] + 1.8760108 + 0.0415560 * xyz[2];
+		double blue = fmax(0.0556434 * xyz[0] - 0.2040259 + 1.0572252 * xyz[2], 0.0),
+			   most = fmax(red, fmax(green, blue));
+		stilb_vec3 color = shade_color_of_temperature((float)kelvin);
+		SHADE_PROOF_NEAR(color[0], red / most, 1e-5, 1e-6);
+		SHADE_PROOF_NEAR(color[1], green / most, 1e-5, 1e-6);
+		SHADE_PROOF_NEAR(color[2], blue / most, 1e-5, 1e-6);
+	}
+	stilb_vec3 ember = shade_color_of_temperature(1000.0f), colder = shade_color_of_temperature(10.0f);
+	SHADE_PROOF_NEAR(ember[0], 1.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR(ember[2], 0.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR3(colder, ember[0], ember[1], ember[2], 0.0, 0.0);
+	SHADE_PROOF_NEAR3(shade_color_of_temperature(1e9f), shade_color_of_temperature(15000.0f)[0],
+	                  shade_color_of_temperature(15000.0f)[1], 1.0, 0.0, 0.0);
+}
+
 /* A lamp's flux is what its surface emits: pi L per area for the radiance L. */
 static void flux_is_what_leaves_the_surface(void **state)
 {
@@ -479,6 +532,7 @@ int main(void)
 {
 	const struct CMUnitTest exactness[] = {
 		cmocka_unit_test(units_are_the_ones_of_their_formulas),
+		cmocka_unit_test(glowing_bodies_have_their_colors),
 		cmocka_unit_test(flux_is_what_leaves_the_surface),
 		cmocka_unit_test(folded_light_shows_white_as_one),
 		cmocka_unit_test(the_sky_lights_evenly),

@@ -179,6 +179,32 @@ static void convolution_scales_bands(void **state)
 	SHADE_PROOF_NEAR(held, 0.9922 * 2.0 * M_PI / 3.0, 1e-4, 0.0);
 }
 
+typedef struct lobe_band {
+	double exponent;
+	int l;
+} lobe_band;
+
+/* The lobe's density over all azimuths, times Legendre's polynomial. */
+static double lobe_legendre(double x, const void *context)
+{
+	const lobe_band *band = context;
+	return (band->exponent + 1.0) * pow(x, band->exponent) * legendre(band->l, 0, x);
+}
+
+static void a_highlights_lobe_has_these_bands(void **state)
+{
+	(void)state;
+	static const double exponents[] = {0.0, 1.0, 2.5, 7.0, 30.0, 200.0};
+	for (size_t i = 0; i < sizeof exponents / sizeof *exponents; i++) {
+		stilb_vec3 bands = shade_sh_lobe((float)exponents[i]);
+		for (int l = 0; l < 3; l++) {
+			lobe_band band = {exponents[i], l};
+			SHADE_PROOF_NEAR(bands[l], stilb_numeric_integrate(lobe_legendre, &band, 0.0, 1.0, 60), 1e-5, 1e-7);
+		}
+	}
+	assert_true(shade_sh_lobe(1e6f)[2] > 0.999f); /* a mirror's are 1 */
+}
+
 /* 1.0625 and 0.0625, and less than nothing in between: the header's facts, asserted. */
 static void directional_light_rings(void **state)
 {
@@ -552,6 +578,7 @@ int main(void)
 		cmocka_unit_test(coefficients_are_a_vector),
 		cmocka_unit_test(ambient_is_the_same_everywhere),
 		cmocka_unit_test(convolution_scales_bands),
+		cmocka_unit_test(a_highlights_lobe_has_these_bands),
 		cmocka_unit_test(directional_light_rings),
 		cmocka_unit_test(named_windows_are_the_least),
 		cmocka_unit_test(window_has_its_price),

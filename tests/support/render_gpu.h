@@ -45,8 +45,8 @@ static struct {
 	} images[GPU_IMAGES];
 	gpu_frame frames[STILB_GPU_FRAMES];
 	uint32_t frame;
-	stilb_result texture_result; /* of the next image that is made */
-	bool losing;                 /* the frame does not run */
+	_Atomic stilb_result texture_result; /* of the next image that is made, on whatever thread */
+	bool losing;                         /* the frame does not run */
 	uint64_t draws_seen;
 	uint32_t wrong; /* draws whose mesh, material or texture was not there */
 } gpu;
@@ -177,8 +177,7 @@ static inline stilb_result gpu_begin(stilb_gpu *device)
 
 static inline stilb_result gpu_image_make(stilb_gpu *device, gpu_image *image)
 {
-	stilb_result result = gpu.texture_result;
-	gpu.texture_result = STILB_OK;
+	stilb_result result = atomic_exchange_explicit(&gpu.texture_result, STILB_OK, memory_order_relaxed);
 	return result == STILB_OK ? gpu.real->image_make(device, image) : stilb_fail(result, "no such texture on this GPU");
 }
 

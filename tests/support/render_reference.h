@@ -62,7 +62,7 @@ static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_vie
 	hash = reference_hash_floats(hash, added, 4);
 	hash = reference_hash_floats(hash, view->surroundings.sky, 3);
 	hash = reference_hash_floats(hash, view->surroundings.ground, 3);
-	hash = reference_hash_u32(hash, view->surroundings.glossy);
+	hash = reference_hash_u32(hash, (uint32_t)view->surroundings.glossy + 2 * (uint32_t)view->ambient);
 	hash = reference_hash_u32(hash, view->both_sides);
 	uint32_t lit = 0;
 	for (uint32_t i = 0; i < view->light_count; i++)

@@ -51,8 +51,8 @@ static inline void forget_progress(char *text)
 	for (char *line = text; *line;) {
 		char *end = strchr(line, '\n');
 		end = end ? end + 1 : line + strlen(line);
-		char *percent = strstr(line, " %, pass ");
-		if (percent && percent < end)
+		char *percent = strstr(line, " %, "); /* "12 %, pass 3, ...", or of ranks "12 %, units, ..." */
+		if (*line >= '0' && *line <= '9' && percent && percent < end)
 			memmove(line, end, strlen(end) + 1);
 		else
 			line = end;
@@ -304,6 +304,41 @@ static inline bool catches_interrupts(pid_t pid)
 			return true;
 	}
 	return false;
+}
+
+/* ---- under mpirun ------------------------------------------------------------------------------------------------ */
+
+#define RANKS_MPIRUN "/usr/bin/mpirun"
+
+/* What Open MPI runs as root only with: tests run in containers, as root. */
+#define RANKS_ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "PMIX_MCA_gds=hash"
+
+/* Starts mpirun with the words of a line; @ is the program stilb with "render". */
+static inline void ranks_start(const char *const *environment, const char *line)
+{
+	char copy[2048], *rest = NULL;
+	const char *words[64] = {RANKS_MPIRUN, "--oversubscribe"};
+	size_t count = 2;
+	snprintf(copy, sizeof copy, "%s", line);
+	for (char *word = strtok_r(copy, " ", &rest); word && count < 62; word = strtok_r(NULL, " ", &rest)) {
+		words[count++] = strcmp(word, "@") == 0 ? stilb_path : word;
+		if (strcmp(word, "@") == 0)
+			words[count++] = "render";
+	}
+	assert_true(program_start(&run, words, environment, -1));
+}
+
+/* True, after a line that says why, if there is no mpirun, or no module for it. */
+static inline bool ranks_are_missing(const char *module)
+{
+	if (access(RANKS_MPIRUN, X_OK) != 0) {
+		printf("skipped: there is no " RANKS_MPIRUN "; install openmpi-bin\n");
+		return true;
+	}
+	if (!module || access(module, R_OK) == 0)
+		return false;
+	printf("skipped: there is no '%s': this build was configured without libopenmpi-dev\n", module);
+	return true;
 }
 
 #endif

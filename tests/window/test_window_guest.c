@@ -1,6 +1,7 @@
 /* Engines with windows side by side, and an engine in a window of the program's own. All under Vulkan validation. */
 #include "engine.h"
 #include "engine_faults.h"
+#include "engine_internal.h"
 #include "image/image.h"
 #include "shading/shade_brdf.h"
 #include "support/test.h"
@@ -136,6 +137,31 @@ static void test_other_formulas_stop_no_frame(void **state)
 		for (int i = 0; i < 10000 && stilb_engine_stream_hash(engine) == hash; i++)
 			run_frames(engine, 1);
 		assert_true(stilb_engine_stream_hash(engine) != hash);
+	}
+	assert_int_equal(pipeline_count, before);
+	stress_engine_destroy(engine);
+}
+
+/* Likewise ways of lighting; several kinds of programs go with each. */
+static void test_other_ways_of_lighting_stop_no_frame(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = window_desc();
+	desc.window = true;
+	desc.samples = 1;
+	desc.deferred.coverage = STILB_RENDER_COVERAGE_VOLUMES;
+	stilb_engine *engine = make_engine(&desc);
+	assert_int_equal(stilb_scene_stress_add_lamps(stilb_engine_scene(engine), 12), STILB_OK);
+	run_frames(engine, 3);
+	int before = pipeline_count;
+	for (int way = STILB_RENDER_LIGHTING_WAYS - 1; way >= 0; way--) {
+		stilb_engine_set_lighting(engine, (stilb_render_lighting)way);
+		run_frames(engine, 1);
+		if (way == STILB_RENDER_LIGHTING_WAYS - 1)
+			assert_int_equal(engine->views[0].lighting, STILB_RENDER_LIGHTING_AUTO);
+		for (int i = 0; i < 10000 && engine->views[0].lighting != (stilb_render_lighting)way; i++)
+			run_frames(engine, 1);
+		assert_int_equal(engine->views[0].lighting, way);
 	}
 	assert_int_equal(pipeline_count, before);
 	stress_engine_destroy(engine);
@@ -376,6 +402,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_engines_with_windows),
 		cmocka_unit_test(test_other_formulas_stop_no_frame),
+		cmocka_unit_test(test_other_ways_of_lighting_stop_no_frame),
 		cmocka_unit_test(test_a_presentation_is_replaced),
 		cmocka_unit_test(test_a_window_of_the_programs_own),
 		cmocka_unit_test(test_another_window_for_the_same_engine),

@@ -66,8 +66,8 @@ static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker,
 	float numbers[8];
 	gi_sample_8(&view->sampler, worker->points[i], GI_DIMENSION_OF(1), numbers);
 	gi_ray *shadows = &worker->shadows[worker->shadow_count];
-	uint32_t asked = gi_direct_ask(view, &bsdf, gi_surface_ray_origin(&surface, surface.geometric), numbers,
-	                               GI_DIRECT_ALONE, shadows, &worker->direct[worker->shadow_count]);
+	uint32_t asked = gi_direct_ask(view, &bsdf, surface.part, gi_surface_ray_origin(&surface, surface.geometric),
+	                               numbers, GI_DIRECT_ALONE, shadows, &worker->direct[worker->shadow_count]);
 	for (uint32_t k = 0; k < asked; k++)
 		shadows[k].id = i;
 	worker->shadow_count += asked;

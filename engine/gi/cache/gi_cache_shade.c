@@ -21,6 +21,7 @@ typedef struct cache_branch {
 	stilb_vec3 shown;    /* factor on the light that the surface at its end emits */
 	gi_direct_left left; /* for the weight, by multiple importance sampling (MIS), of the emission that it finds */
 	uint32_t target;     /* index in the batch of the sample that it belongs to */
+	uint32_t part;       /* gi_surface.part of the surface that its ray leaves */
 } cache_branch;
 
 typedef struct cache_scratch {
@@ -96,7 +97,8 @@ static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *s
 	if (gi_bsdf_is_layered(bsdf))
 		diffuse = (stilb_vec3){0};
 	cache_branch wanted = {.weight = chosen.weight - diffuse,
-	                       .left = gi_direct_leave(bsdf, &chosen, GI_DIRECT_WITH_HIGHLIGHT)};
+	                       .left = gi_direct_leave(bsdf, &chosen, GI_DIRECT_WITH_HIGHLIGHT),
+	                       .part = surface->part};
 	if (batch->view->settings.only != STILB_GI_ONLY_INDIRECT)
 		wanted.shown = chosen.weight;
 	stilb_vec3 origin = gi_surface_ray_origin(surface, surface->geometric);
@@ -112,8 +114,8 @@ static void want_direct(gi_batch *batch, uint32_t sample, const gi_surface *surf
 	gi_ray *shadows = &scratch->shadows[scratch->shadow_count];
 	stilb_vec3 origin = gi_surface_ray_origin(surface, surface->geometric);
 	gi_direct_beside beside = bsdf->share > 0.0f ? GI_DIRECT_WITH_HIGHLIGHT : GI_DIRECT_ALONE;
-	uint32_t asked =
-		gi_direct_ask(batch->view, bsdf, origin, numbers, beside, shadows, &scratch->direct[scratch->shadow_count]);
+	uint32_t asked = gi_direct_ask(batch->view, bsdf, surface->part, origin, numbers, beside, shadows,
+	                               &scratch->direct[scratch->shadow_count]);
 	for (uint32_t k = 0; k < asked; k++)
 		shadows[k].id = sample;
 	scratch->shadow_count += asked;
@@ -185,6 +187,17 @@ static stilb_vec3 branch_found(const gi_view *view, const cache_branch *branch, 
 	return branch->shown * gi_direct_found(view, &branch->left, ray, hit ? &surface : NULL);
 }
 
+/* Adds the light that a branch's ray would find, were it a ray towards lights, to its sample, and leaves none to find
+ * for the ray itself. */
+static void find_lights(gi_batch *batch, cache_branch *branch, const gi_ray_hit *ray, uint64_t *traced)
+{
+	if (branch->shown[0] + branch->shown[1] + branch->shown[2] == 0.0f)
+		return;
+	batch->radiance[branch->target] +=
+		branch->shown * gi_direct_find(batch->view, &branch->left, branch->part, ray, traced);
+	branch->shown = (stilb_vec3){0};
+}
+
 static void trace_branches(gi_batch *batch)
 {
 	STILB_ASSERT(batch->worker < batch->view->cache->worker_count);
@@ -201,6 +214,8 @@ static void trace_branches(gi_batch *batch)
 		paths.scratch = view->cache->workers[batch->worker].scratch;
 		for (uint32_t i = 0; i < paths.count; i++) {
 			cache_branch *branch = &scratch->branches[first + i];
+			if (view->scene->flagged && branch->left.pdf > 0.0f)
+				find_lights(batch, branch, &scratch->rays[first + i], &paths.rays_traced);
 			stilb_vec3 glass = gi_through_intersect(view->scene, &scratch->rays[first + i], &paths.rays_traced);
 			branch->weight *= glass;
 			branch->shown *= glass;

@@ -15,7 +15,8 @@ struct gi_identity {
 typedef struct gi_identity gi_identity;
 
 typedef enum gi_identity_kind {
-	/* Version, instruction set, scene, the loaded irradiance cache, and the settings that samples depend on. */
+	/* Version, that of samples, instruction set, scene, the loaded irradiance cache, and the settings that samples
+	 * depend on. */
 	GI_IDENTITY_CHECKPOINT,
 	/* Also the program's file, since machines may have different builds; all other settings, since the picture's file
 	 * is made of parts alone; what that file says of the surroundings, and if it has alpha. */

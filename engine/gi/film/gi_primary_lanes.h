@@ -87,7 +87,7 @@ static void lanes_rays(const gi_camera *camera, const gi_primary_places *places,
 	lanes_clip(camera, &rays->ray);
 	for (int i = 0; i < 16; i++) {
 		rays->ray.time[i] = 0.0f;
-		rays->ray.mask[i] = UINT32_MAX;
+		rays->ray.mask[i] = GI_MASK_LOOK;
 		rays->ray.id[i] = rays->ray.flags[i] = 0;
 		rays->hit.part[i] = rays->hit.instance[i] = GI_NO_PART;
 	}

@@ -1,6 +1,7 @@
 #include "gi/integrate/gi_direct.h"
 
 #include "gi/trace/gi_ray.h"
+#include "gi/trace/gi_through.h"
 
 /* The weight, by multiple importance sampling, of a direction that was chosen with density pdf and that another
  * technique chooses with density other: the power heuristic, beta = 2, written so that no square overflows.
@@ -32,6 +33,7 @@ typedef struct direct_side {
 	stilb_vec3 origin, normal;
 	float choice, chance; /* chance: that this side asks */
 	bool layered;
+	const gi_part *part; /* that the surface is of; NULL: gi_scene.flagged is not set, so that all are alike */
 } direct_side;
 
 /* Asks one group. False: the light sends nothing. */
@@ -52,14 +54,16 @@ static inline __attribute__((always_inline)) bool direct_ask_group(const gi_view
 	if (!(sent[0] + sent[1] + sent[2] > 0.0f))
 		return false;
 	float pdf = light.pdf * side->chance, weight = 1.0f / pdf;
-	if (beside != GI_DIRECT_ALONE && !light.delta)
+	bool alone = side->part ? gi_direct_asks_alone(side->part, &light) : light.delta;
+	if (beside != GI_DIRECT_ALONE && !alone)
 		weight *= mis_weight(pdf, gi_bsdf_pdf(bsdf, light.direction));
 	*direct = sent * weight;
-	*shadow = gi_ray_make(side->origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+	*shadow = gi_ray_make_of(side->part ? side->part->lit_by : GI_MASK_LIGHT, side->origin, light.direction,
+	                         light.distance, numbers[GI_DIMENSION_CHANCE]);
 	return true;
 }
 
-/* Always inline: most surfaces have one side, and what that leaves is compiled apart. */
+/* Always inline: most surfaces have one side, and most scenes no flags; what that leaves is compiled apart. */
 static inline __attribute__((always_inline)) uint32_t direct_ask_from(const gi_view *view, const gi_bsdf *bsdf,
                                                                       direct_side side, const float numbers[8],
                                                                       gi_direct_beside beside, gi_ray *shadows,
@@ -72,24 +76,29 @@ static inline __attribute__((always_inline)) uint32_t direct_ask_from(const gi_v
 	return count;
 }
 
-static __attribute__((noinline)) uint32_t direct_ask_layered(const gi_view *view, const gi_bsdf *bsdf, direct_side side,
-                                                             const float numbers[8], gi_direct_beside beside,
-                                                             gi_ray *shadows, stilb_vec3 *direct)
+/* Of a surface of layers, or in a scene where parts are not alike. */
+static __attribute__((noinline)) uint32_t direct_ask_rare(const gi_view *view, const gi_bsdf *bsdf, direct_side side,
+                                                          const float numbers[8], gi_direct_beside beside,
+                                                          gi_ray *shadows, stilb_vec3 *direct)
 {
-	if (!gi_direct_side(bsdf, &side.origin, &side.normal, &side.choice, &side.chance))
+	if (side.layered && !gi_direct_side(bsdf, &side.origin, &side.normal, &side.choice, &side.chance))
 		return 0;
 	return direct_ask_from(view, bsdf, side, numbers, beside, shadows, direct);
 }
 
-uint32_t gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8],
-                       gi_direct_beside beside, gi_ray *shadows, stilb_vec3 *direct)
+uint32_t gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, uint32_t part, stilb_vec3 origin,
+                       const float numbers[8], gi_direct_beside beside, gi_ray *shadows, stilb_vec3 *direct)
 {
 	STILB_ASSERT(bsdf->share >= 0.0f && bsdf->share <= 1.0f);
+	STILB_ASSERT(part < view->scene->part_count);
+	bool flagged = view->scene->flagged, layered = gi_bsdf_is_layered(bsdf);
 	float choice = numbers[GI_DIMENSION_CHOICE];
-	if (gi_bsdf_is_layered(bsdf))
-		return direct_ask_layered(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, true}, numbers, beside,
-		                          shadows, direct);
-	return direct_ask_from(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, false}, numbers, beside,
+	if (flagged || layered) {
+		const gi_part *from = flagged ? &view->scene->parts[part] : NULL;
+		return direct_ask_rare(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, layered, from}, numbers,
+		                       beside, shadows, direct);
+	}
+	return direct_ask_from(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, false, NULL}, numbers, beside,
 	                       shadows, direct);
 }
 
@@ -112,4 +121,17 @@ stilb_vec3 gi_direct_found(const gi_view *view, const gi_direct_left *left, cons
 	float asked = gi_light_pdf(lights, gi_ray_origin(&ray->ray), left->normal, part->first_light + surface->triangle,
 	                           ray->ray.t_max);
 	return surface->emission * mis_weight(left->pdf, asked);
+}
+
+stilb_vec3 gi_direct_find(const gi_view *view, const gi_direct_left *left, uint32_t part, const gi_ray_hit *ray,
+                          uint64_t *traced)
+{
+	STILB_ASSERT(part < view->scene->part_count && !gi_is_hit(ray));
+	gi_ray_hit towards = *ray;
+	gi_surface surface;
+	towards.ray.mask = view->scene->parts[part].lit_by;
+	stilb_vec3 factor = gi_through_intersect(view->scene, &towards, traced);
+	if (gi_is_hit(&towards))
+		gi_surface_at(view->scene, &towards, &surface);
+	return factor * gi_direct_found(view, left, &towards, gi_is_hit(&towards) ? &surface : NULL);
 }

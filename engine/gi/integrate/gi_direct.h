@@ -22,9 +22,16 @@ typedef enum gi_direct_beside {
  * the shadow ray shadows[i], which the caller passes to gi_tracer.occluded; returns how many there are, at most
  * GI_LIGHT_GROUPS. origin: gi_surface_ray_origin, on the viewer's side. numbers: gi_sample_8 of the vertex. Unless it
  * is alone, gi_direct_found will count light that a ray hits, so direct gets its weight by multiple importance sampling
- * (MIS) against gi_bsdf_pdf, the density of that ray. */
-uint32_t gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8],
-                       gi_direct_beside beside, gi_ray *shadows, stilb_vec3 *direct);
+ * (MIS) against gi_bsdf_pdf, the density of that ray. part: gi_surface.part. */
+uint32_t gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, uint32_t part, stilb_vec3 origin,
+                       const float numbers[8], gi_direct_beside beside, gi_ray *shadows, stilb_vec3 *direct);
+
+/* True if asking has to find all of the light, as no ray that leaves the part can: its MIS weight is 1. Of a part that
+ * receives no shadows rays towards lights meet nothing, so that they find the surroundings alone. */
+static inline bool gi_direct_asks_alone(const gi_part *part, const gi_light_sample *light)
+{
+	return light->delta || (!part->lit_by && light->distance < INFINITY);
+}
 
 /* From which side a layered surface asks a light. False: from none. origin, normal: those of the viewer's side before,
  * of the side that is asked afterwards; choice: the number that decides, [0, 1), and another such number afterwards;
@@ -54,5 +61,12 @@ static inline gi_direct_left gi_direct_leave(const gi_bsdf *bsdf, const gi_bsdf_
  * surface is NULL, which it is for a miss. */
 stilb_vec3 gi_direct_found(const gi_view *view, const gi_direct_left *left, const gi_ray_hit *ray,
                            const gi_surface *surface);
+
+/* Traces a ray that left a surface of the part as one towards lights, and returns what it finds of them, as of
+ * gi_direct_found. ray: as it will be traced to look, which in a scene with gi_scene.flagged may end elsewhere; there
+ * light of gi_direct_left.pdf > 0 is found by this ray, not by the one that looks. *traced: the number of rays is
+ * added. */
+stilb_vec3 gi_direct_find(const gi_view *view, const gi_direct_left *left, uint32_t part, const gi_ray_hit *ray,
+                          uint64_t *traced);
 
 #endif

@@ -31,7 +31,8 @@ static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 	const gi_view *view = batch->view;
 	const gi_lights *lights = &view->scene->lights;
 	stilb_vec3 none = stilb_vec3_make(0.0f, 0.0f, 0.0f);
-	if (lights->listed_count == 0)
+	const gi_part *part = &view->scene->parts[at->surface.part];
+	if (lights->listed_count == 0 && !view->scene->flagged)
 		return none;
 	float numbers[GI_DIMENSIONS_VERTEX];
 	gi_sample_8(&view->sampler, at->point, GI_DIMENSION_OF(at->vertex), numbers);
@@ -46,11 +47,12 @@ static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 	for (gi_light_group group = 0; group < GI_LIGHT_GROUPS; group++) {
 		gi_light_sample light;
 		if (!gi_light_is_asked(lights, group, false) ||
-		    !gi_light_sample_at(lights, group, false, position, normal, choice, place, &light) || !light.delta ||
-		    stilb_vec3_dot(geometric, light.direction) <= 0.0f)
+		    !gi_light_sample_at(lights, group, false, position, normal, choice, place, &light) ||
+		    !gi_direct_asks_alone(part, &light) || stilb_vec3_dot(geometric, light.direction) <= 0.0f)
 			continue;
 		stilb_vec3 origin = gi_surface_ray_origin(&at->surface, light.direction);
-		gi_ray shadow = gi_ray_make(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+		gi_ray shadow =
+			gi_ray_make_of(part->lit_by, origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
 		gi_through_occluded(view->scene, &shadow, &light.radiance, 1);
 		batch->rays_traced++;
 		batch->shadow_rays++;
@@ -60,7 +62,7 @@ static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 	return sum;
 }
 
-static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex);
+static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex, bool found);
 
 /* Light that arrives along the k-th ray from a surface and is reflected. The rays of a diffuse surface are distributed
  * with the cosine. */
@@ -79,12 +81,19 @@ static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	gi_ray_hit ray = gi_ray_hit_make_by(gi_surface_ray_origin(&at->surface, chosen.direction), chosen.direction,
 	                                    numbers[GI_DIMENSION_CHANCE]);
+	gi_direct_left left = gi_direct_leave(&at->bsdf, &chosen, GI_DIRECT_WITH_RAY);
+	bool found = view->scene->flagged && left.pdf > 0.0f;
+	stilb_vec3 lights = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	left.pdf = 0.0f; /* all that the ray finds counts */
+	if (found && (view->settings.only != STILB_GI_ONLY_INDIRECT || at->vertex > 0))
+		lights = chosen.weight * gi_direct_find(view, &left, at->surface.part, &ray, &batch->rays_traced);
 	stilb_vec3 weight = chosen.weight * gi_through_intersect(view->scene, &ray, &batch->rays_traced);
-	return weight * radiance_along(batch, &ray, branch, at->vertex + 1);
+	return lights + weight * radiance_along(batch, &ray, branch, at->vertex + 1, found);
 }
 
-/* Radiance that a traced ray brings to its origin. vertex: number of the vertex where it ends. */
-static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex)
+/* Radiance that a traced ray brings to its origin. vertex: number of the vertex where it ends. found: but for what is
+ * emitted there. */
+static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex, bool found)
 {
 	STILB_ASSERT(vertex <= batch->view->settings.depth);
 	const gi_view *view = batch->view;
@@ -92,10 +101,10 @@ static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_poin
 	stilb_vec3 direction = gi_ray_direction(&ray->ray);
 	stilb_vec3 radiance = stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	if (!gi_is_hit(ray))
-		return indirect && vertex <= 1 ? radiance : gi_environment_radiance(&view->scene->lights, direction);
+		return found || (indirect && vertex <= 1) ? radiance : gi_environment_radiance(&view->scene->lights, direction);
 	hit at = {.point = point, .vertex = vertex};
 	gi_surface_at(view->scene, ray, &at.surface);
-	if (!indirect || vertex > 1)
+	if (!found && (!indirect || vertex > 1))
 		radiance += at.surface.emission;
 	if (!indirect && vertex == 0)
 		radiance += at.surface.unlit;
@@ -115,7 +124,7 @@ static void montecarlo_shade(gi_batch *batch)
 	STILB_ASSERT(batch->count <= GI_BATCH);
 	PROFILE("gi.bounce");
 	for (uint32_t i = 0; i < batch->count; i++)
-		batch->radiance[i] = radiance_along(batch, &batch->rays[i], batch->points[i], 0);
+		batch->radiance[i] = radiance_along(batch, &batch->rays[i], batch->points[i], 0, false);
 }
 
 const gi_integrator gi_integrator_montecarlo = {.shade = montecarlo_shade};

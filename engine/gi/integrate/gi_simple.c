@@ -47,6 +47,8 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 	gi_surface found;
 	stilb_vec3 weight = chosen.weight;
 	gi_direct_left left = gi_direct_leave(bsdf, &chosen, GI_DIRECT_WITH_RAY);
+	if (left.pdf > 0.0f)
+		ray.ray.mask = view->scene->parts[surface->part].lit_by;
 	if (!view->settings.no_shadows)
 		weight *= gi_through_intersect(view->scene, &ray, &batch->rays_traced);
 	if (gi_is_hit(&ray))
@@ -75,7 +77,7 @@ static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t
 	bool highlight = bsdf.share > 0.0f;
 	gi_ray *shadows = &scratch->shadows[scratch->count];
 	uint32_t asked =
-		gi_direct_ask(view, &bsdf, gi_surface_ray_origin(&surface, -direction), numbers,
+		gi_direct_ask(view, &bsdf, surface.part, gi_surface_ray_origin(&surface, -direction), numbers,
 	                  highlight ? GI_DIRECT_WITH_RAY : GI_DIRECT_ALONE, shadows, &scratch->light[scratch->count]);
 	for (uint32_t k = 0; k < asked; k++)
 		shadows[k].id = i;
@@ -131,8 +133,8 @@ static gi_ray ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t 
 	float distance = view->settings.ao_distance;
 	float chance =
 		view->scene->blends ? gi_sample_2d(&view->sampler, branch, dimension + GI_DIMENSION_ROULETTE)[1] : 0.0f;
-	gi_ray ray = gi_ray_make(gi_surface_ray_origin(surface, direction), direction,
-	                         distance > 0.0f ? distance : INFINITY, chance);
+	gi_ray ray = gi_ray_make_of(view->scene->parts[surface->part].lit_by, gi_surface_ray_origin(surface, direction),
+	                            direction, distance > 0.0f ? distance : INFINITY, chance);
 	ray.id = i;
 	return ray;
 }
@@ -166,6 +168,7 @@ static float ao_reach(gi_batch *batch, const gi_ray *ray)
 	const gi_tracer *tracer = &batch->view->scene->tracer;
 	gi_ray_hit hit = gi_ray_hit_make_by(gi_ray_origin(ray), gi_ray_direction(ray), ray->time);
 	hit.ray.t_max = ray->t_max;
+	hit.ray.mask = ray->mask;
 	tracer->intersect(tracer, &hit);
 	batch->rays_traced++;
 	return gi_is_hit(&hit) ? hit.ray.t_max / batch->view->settings.ao_distance : 1.0f;

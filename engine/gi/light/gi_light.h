@@ -21,6 +21,7 @@ typedef struct gi_emitter {
 	float position[3][3];
 	float emission[3]; /* radiance, the mean of the glow if there is one; 0: it is never sampled */
 	gi_glow glow;
+	bool unmet; /* rays towards lights go through it: gi_part.mask */
 } gi_emitter;
 
 typedef enum gi_light_group {
@@ -67,7 +68,7 @@ typedef struct gi_light_sample {
 	stilb_vec3 radiance;
 	/* per steradian, including the choice in the group; of a light without a size: the probability of that choice */
 	float pdf;
-	bool delta; /* a light of the list: no ray can hit it, so its MIS weight is 1 */
+	bool delta; /* no ray can hit it, so its MIS weight is 1: a light of the list, or an emitter that is unmet */
 } gi_light_sample;
 
 /* True if there is something to ask in the group. all: asking finds all that is around; else rays that the surface

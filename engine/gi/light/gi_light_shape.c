@@ -26,6 +26,7 @@ gi_light_shape gi_light_shape_make(const gi_emitter *emitter)
 		.edge_2 = gi_vector(p[2]) - gi_vector(p[0]),
 		.emission = gi_vector(emitter->emission),
 		.error = gi_triangle_error(p[0], p[1], p[2]),
+		.unmet = emitter->unmet,
 	};
 	shape.center = shape.corner + (shape.edge_1 + shape.edge_2) * (1.0f / 3.0f);
 	stilb_vec3 normal = stilb_vec3_cross(shape.edge_1, shape.edge_2);
@@ -54,7 +55,7 @@ static int lonely_corner(const gi_emitter *one, const gi_emitter *other)
 bool gi_light_shape_join(const gi_emitter *first, const gi_emitter *second, gi_light_shape *shape)
 {
 	int a = lonely_corner(first, second), b = lonely_corner(second, first);
-	if (a == 3 || b == 3 || first->glow.maps.surface || second->glow.maps.surface ||
+	if (a == 3 || b == 3 || first->glow.maps.surface || second->glow.maps.surface || first->unmet != second->unmet ||
 	    memcmp(first->emission, second->emission, sizeof first->emission) != 0)
 		return false;
 	gi_light_shape one = gi_light_shape_make(first), two = gi_light_shape_make(second);
@@ -271,7 +272,7 @@ bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, sti
 	sample->distance = gi_shadow_distance(distance, shape->error, height * scale);
 	sample->radiance = shape->glow ? point_emission(shape, to_light - to_corner, height * scale) : shape->emission;
 	sample->pdf = angle > 0.0f ? 1.0f / angle : density_by_area(shape, height, distance);
-	sample->delta = false;
+	sample->delta = shape->unmet;
 	return sample->pdf < INFINITY;
 }
 

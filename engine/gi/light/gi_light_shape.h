@@ -23,6 +23,7 @@ typedef struct gi_light_shape {
 	float length_1, length_2;  /* and their lengths */
 	float area;                /* m^2; 0: it is never sampled */
 	float error;               /* gi_triangle_error of the triangles, the larger one */
+	bool unmet;                /* gi_emitter.unmet */
 	bool rectangle;            /* spanned by edge_1 and edge_2; else the triangle that is half of it */
 } gi_light_shape;
 

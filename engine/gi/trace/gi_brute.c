@@ -9,6 +9,7 @@ typedef struct brute_triangle {
 	double v0[3], e1[3], e2[3];
 	double side; /* -1 where cross(e1, e2) points to the back: of mirrored instances */
 	uint32_t part, triangle;
+	uint32_t mask; /* of the part */
 } brute_triangle;
 
 typedef struct brute {
@@ -34,6 +35,8 @@ static double brute_dot(const double a[3], const double b[3])
 static bool brute_meet(const brute_triangle *triangle, const gi_ray *ray, double tuv[3])
 {
 	double direction[3], from[3];
+	if (!(triangle->mask & ray->mask))
+		return false;
 	for (int i = 0; i < 3; i++) {
 		direction[i] = (double)ray->direction[i];
 		from[i] = (double)ray->origin[i] - triangle->v0[i];
@@ -154,6 +157,7 @@ static void brute_part(const stilb_gi_scene *gi, uint32_t index, brute *state)
 		triangle->side = part->mirrored ? -1.0 : 1.0;
 		triangle->part = index;
 		triangle->triangle = k;
+		triangle->mask = part->mask;
 	}
 }
 

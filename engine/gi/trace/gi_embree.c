@@ -359,6 +359,10 @@ static stilb_result embree_device(embree *state, const char *isa)
 				"no memory to start Embree; raise the limit that 'ulimit -v' shows, or give fewer --workers");
 		return stilb_fail(STILB_ERROR_DEVICE, "Embree does not start on this machine (error %d)", (int)error);
 	}
+	if (state->gi->flagged && rtcGetDeviceProperty(state->device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) == 0)
+		return stilb_fail(STILB_ERROR_DEVICE,
+		                  "Embree was built without ray masks, which models that are unseen or cast "
+		                  "no shadow need");
 	rtcSetDeviceErrorFunction(state->device, embree_on_error, state);
 	rtcSetDeviceMemoryMonitorFunction(state->device, embree_on_memory, state);
 	return STILB_OK;
@@ -418,7 +422,8 @@ static void embree_attach(RTCScene scene, RTCGeometry geometry, uint32_t id)
 	rtcReleaseGeometry(geometry);
 }
 
-static void embree_attach_mesh(embree *state, RTCScene scene, const gi_mesh *mesh, uint32_t id)
+/* mask: GI_MASK_... of the rays that meet it. */
+static void embree_attach_mesh(embree *state, RTCScene scene, const gi_mesh *mesh, uint32_t mask, uint32_t id)
 {
 	STILB_ASSERT(mesh->triangle_count > 0 && "Embree gets no empty geometry");
 	RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -426,6 +431,7 @@ static void embree_attach_mesh(embree *state, RTCScene scene, const gi_mesh *mes
 	                           sizeof *mesh->vertices, mesh->vertex_count);
 	rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0,
 	                           sizeof *mesh->triangles, mesh->triangle_count);
+	rtcSetGeometryMask(geometry, mask);
 	if (mesh->sieved) {
 		rtcSetGeometryUserData(geometry, (void *)state->gi);
 		rtcSetGeometryIntersectFilterFunction(geometry, embree_filter);
@@ -472,7 +478,7 @@ static void embree_share(embree *state, const stilb_gi_scene *gi, const uint32_t
 			continue;
 		const gi_mesh *mesh = &gi->meshes[part->mesh];
 		state->shared[part->mesh] = embree_scene(state);
-		embree_attach_mesh(state, state->shared[part->mesh], mesh, 0);
+		embree_attach_mesh(state, state->shared[part->mesh], mesh, GI_MASK_ALL, 0);
 		if (mesh->triangle_count < EMBREE_ALONE)
 			state->small[small++] = part->mesh;
 		else
@@ -492,6 +498,7 @@ static void embree_place(const embree *state, RTCGeometry geometry, const gi_par
 	stilb_mat4 place = part->instance ? part->to_world : stilb_mat4_identity();
 	rtcSetGeometryInstancedScene(geometry, state->shared[part->mesh]);
 	rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, place.m);
+	rtcSetGeometryMask(geometry, part->mask);
 }
 
 static void embree_attach_instance(embree *state, const gi_part *part, uint32_t id)
@@ -518,7 +525,7 @@ static void embree_show(embree *state, const stilb_gi_scene *gi, uint32_t id)
 		STILB_ASSERT((!before || mesh->fresh) && "where nothing moves");
 		if (before)
 			rtcDetachGeometry(state->scene, id);
-		embree_attach_mesh(state, state->scene, mesh, id);
+		embree_attach_mesh(state, state->scene, mesh, part->mask, id);
 		return;
 	}
 	if (!before) {

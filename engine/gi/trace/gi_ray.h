@@ -40,9 +40,9 @@ static inline stilb_vec3 gi_ray_direction(const gi_ray *ray)
 /* The last four 4-byte words of a gi_ray or of a gi_hit. */
 typedef int32_t gi_ray_words __attribute__((vector_size(16)));
 
-/* A ray from origin (t_min is 0) to t_max = length, counted in lengths of direction; its id is 0. chance: gi_ray.time,
- * [0, 1). */
-static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float length, float chance)
+/* A ray of this kind, GI_MASK_..., from origin (t_min is 0) to t_max = length, counted in lengths of direction; its id
+ * is 0. chance: gi_ray.time, [0, 1). */
+static inline gi_ray gi_ray_make_of(uint32_t mask, stilb_vec3 origin, stilb_vec3 direction, float length, float chance)
 {
 	stilb_vec4 tail = {length};
 	gi_ray_words words;
@@ -50,19 +50,25 @@ static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float 
 	origin[3] = 0.0f;
 	direction[3] = chance;
 	memcpy(&words, &tail, sizeof words);
-	words[1] = -1; /* mask */
+	words[1] = (int32_t)mask;
 	memcpy((char *)&ray, &origin, sizeof origin);
 	memcpy((char *)&ray + 16, &direction, sizeof direction);
 	memcpy((char *)&ray + 32, &words, sizeof words);
 	return ray;
 }
 
-/* A ray from origin to infinity, with room for its nearest hit, which is "none" until it is traced. */
+/* A shadow ray. */
+static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float length, float chance)
+{
+	return gi_ray_make_of(GI_MASK_LIGHT, origin, direction, length, chance);
+}
+
+/* A ray that looks, from origin to infinity, with room for its nearest hit, which is "none" until it is traced. */
 static inline gi_ray_hit gi_ray_hit_make_by(stilb_vec3 origin, stilb_vec3 direction, float chance)
 {
 	gi_ray_words zero = {0}, nothing = {0, 0, (int32_t)GI_NO_PART, (int32_t)GI_NO_PART};
 	gi_ray_hit ray;
-	ray.ray = gi_ray_make(origin, direction, INFINITY, chance);
+	ray.ray = gi_ray_make_of(GI_MASK_LOOK, origin, direction, INFINITY, chance);
 	memcpy((char *)&ray.hit, &zero, sizeof zero);
 	memcpy((char *)&ray.hit + 16, &nothing, sizeof nothing);
 	return ray;

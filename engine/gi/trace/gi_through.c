@@ -61,6 +61,7 @@ static bool through_panes(const stilb_gi_scene *scene, const gi_ray *shadow, sti
 	gi_surface surface;
 	float end = shadow->t_max;
 	ray.ray.t_max = end;
+	ray.ray.mask = shadow->mask;
 	scene->tracer.intersect(&scene->tracer, &ray);
 	while (gi_is_hit(&ray)) {
 		if (!through_surface(scene, &ray, &surface) || !(surface.layers.pass > 0.0f))

@@ -24,6 +24,12 @@
 /* gi_hit.part of a ray that hit nothing; gi_hit.instance of a hit on a triangle that is no instance's. */
 #define GI_NO_PART UINT32_MAX
 
+/* Kinds of rays, the bits of gi_ray.mask. A ray meets the parts whose gi_part.mask has one of its bits; a ray without
+ * any meets nothing. */
+#define GI_MASK_LOOK 1u  /* from the camera, and on from surfaces to what they mirror or what lights them indirectly */
+#define GI_MASK_LIGHT 2u /* from a surface towards lights: what it meets casts a shadow */
+#define GI_MASK_ALL UINT32_MAX
+
 /* The segment origin + t direction, t_min < t <= t_max. direction need not be unit; t counts in its length. */
 typedef struct gi_ray {
 	float origin[3], t_min;
@@ -31,7 +37,7 @@ typedef struct gi_ray {
 	float time;     /* [0, 1): a random number of this ray alone, by which it goes through surfaces that are
 	                   half there (gi_cover.h). Embree calls the member so; nothing moves */
 	float t_max;    /* out: where the hit is; of an occluded shadow ray -infinity */
-	uint32_t mask;  /* all bits set: the ray meets everything */
+	uint32_t mask;  /* GI_MASK_... */
 	uint32_t id;    /* for the caller, kept as it is */
 	uint32_t flags; /* 0 */
 } __attribute__((aligned(16))) gi_ray;

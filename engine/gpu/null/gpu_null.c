@@ -369,6 +369,9 @@ static const stilb_gpu_limits null_limits = {
 	.samplers_stage = 32,
 	.images_stage = 128,
 	.storage_images_stage = 16,
+	.uniforms_stage = 12,
+	.uniform_bytes = 65536,
+	.uniform_align = 256,
 	.group_size = {1024, 1024, 64},
 	.group_invocations = 1024,
 	.group_count = {65535, 65535, 65535},
@@ -379,6 +382,7 @@ static const stilb_gpu_limits null_limits = {
 	.bc = true,
 	.indirect_count = true,
 	.lines = true,
+	.counts = true,
 };
 
 static uint32_t null_format(const stilb_gpu_format_info *format)
@@ -388,6 +392,8 @@ static uint32_t null_format(const stilb_gpu_format_info *format)
 		1u << STILB_GPU_USE_STORAGE_READ | 1u << STILB_GPU_USE_STORAGE_WRITE | 1u << STILB_GPU_USE_STORAGE;
 	if (format->block_side > 1)
 		return any | GPU_FORMAT_LINEAR;
+	if (format == stilb_gpu_format_describe(STILB_GPU_D32_F_S8))
+		return STILB_GPU_EXTENT_ATTACHMENT;
 	if (format->kind == STILB_GPU_FORMAT_DEPTH)
 		return any | STILB_GPU_EXTENT_ATTACHMENT;
 	return any | STILB_GPU_EXTENT_ATTACHMENT | storage | GPU_FORMAT_BLIT_FROM | GPU_FORMAT_BLIT_TO |

@@ -25,9 +25,10 @@ static const access_meaning meanings[STILB_GPU_ACCESSES] = {
                                   VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT},
 	[STILB_GPU_ACCESS_SAMPLED_FRAGMENT] = {GRAPHICS_SHADERS, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT},
 	[STILB_GPU_ACCESS_SAMPLED_COMPUTE] = {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT},
-	[STILB_GPU_ACCESS_STORAGE_READ_GRAPHICS] = {GRAPHICS_SHADERS, VK_ACCESS_2_SHADER_STORAGE_READ_BIT},
+	[STILB_GPU_ACCESS_STORAGE_READ_GRAPHICS] = {GRAPHICS_SHADERS,
+                                                VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT},
 	[STILB_GPU_ACCESS_STORAGE_READ_COMPUTE] = {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                                               VK_ACCESS_2_SHADER_STORAGE_READ_BIT},
+                                               VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT},
 	[STILB_GPU_ACCESS_STORAGE_GRAPHICS] = {GRAPHICS_SHADERS,
                                            VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT},
 	[STILB_GPU_ACCESS_STORAGE_COMPUTE] = {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
@@ -156,7 +157,7 @@ static void batch_image(access_batch *batch, VkImageMemoryBarrier2 barrier)
 static void zero_image(VkCommandBuffer commands, const gpu_vulkan_texels *texels, stilb_gpu_range range)
 {
 	VkImageSubresourceRange part = {texels->aspect, range.mip, range.mips, range.layer, range.layers};
-	if (texels->aspect == VK_IMAGE_ASPECT_DEPTH_BIT)
+	if (texels->aspect & VK_IMAGE_ASPECT_DEPTH_BIT)
 		vkCmdClearDepthStencilImage(commands, texels->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
 		                            &(VkClearDepthStencilValue){0}, 1, &part);
 	else

@@ -46,8 +46,8 @@ void gpu_vulkan_host_barrier(VkCommandBuffer commands)
 {
 	VkMemoryBarrier2 barrier = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-		.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
-		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+		.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
 		.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
 		.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT,
 	};

@@ -55,6 +55,7 @@ static VkResult device_make(gpu_vulkan *gpu)
 	vkGetPhysicalDeviceFeatures2(gpu->physical, &can);
 	gpu->anisotropic = can.features.samplerAnisotropy;
 	gpu->lines = can.features.fillModeNonSolid;
+	gpu->counts = can.features.depthClamp;
 	VkPhysicalDeviceVulkan13Features v13 = {
 		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
 		.dynamicRendering = VK_TRUE,
@@ -72,6 +73,7 @@ static VkResult device_make(gpu_vulkan *gpu)
 		.multiDrawIndirect = VK_TRUE,
 		.drawIndirectFirstInstance = VK_TRUE,
 		.fillModeNonSolid = can.features.fillModeNonSolid,
+		.depthClamp = can.features.depthClamp,
 		.samplerAnisotropy = can.features.samplerAnisotropy,
 		.imageCubeArray = can.features.imageCubeArray,
 		.textureCompressionBC = can.features.textureCompressionBC,

@@ -31,6 +31,7 @@ static const VkFormat texel_formats[STILB_GPU_FORMAT_COUNT] = {
 	[STILB_GPU_RG32_UI] = VK_FORMAT_R32G32_UINT,
 	[STILB_GPU_D16] = VK_FORMAT_D16_UNORM,
 	[STILB_GPU_D32_F] = VK_FORMAT_D32_SFLOAT,
+	[STILB_GPU_D32_F_S8] = VK_FORMAT_D32_SFLOAT_S8_UINT,
 	[STILB_GPU_BC1_U] = VK_FORMAT_BC1_RGBA_UNORM_BLOCK,
 	[STILB_GPU_BC1_SRGB] = VK_FORMAT_BC1_RGBA_SRGB_BLOCK,
 	[STILB_GPU_BC3_U] = VK_FORMAT_BC3_UNORM_BLOCK,
@@ -76,6 +77,7 @@ void gpu_vulkan_formats_find(gpu_vulkan *gpu)
 				gpu->base.formats[f] |= meanings[m].uses;
 	}
 	gpu->base.formats[STILB_GPU_RGB32_F] = 0; /* see gpu_format.h */
+	gpu->base.formats[STILB_GPU_D32_F_S8] &= STILB_GPU_EXTENT_ATTACHMENT;
 }
 
 VkImageLayout gpu_vulkan_layout(stilb_gpu_layout layout)
@@ -83,8 +85,8 @@ VkImageLayout gpu_vulkan_layout(stilb_gpu_layout layout)
 	static const VkImageLayout layouts[STILB_GPU_LAYOUTS] = {
 		[STILB_GPU_LAYOUT_NONE] = VK_IMAGE_LAYOUT_UNDEFINED,
 		[STILB_GPU_LAYOUT_COLOR] = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-		[STILB_GPU_LAYOUT_DEPTH] = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-		[STILB_GPU_LAYOUT_DEPTH_READ] = VK_IMAGE_LAYOUT_DEPTH_READ_ONLY_OPTIMAL,
+		[STILB_GPU_LAYOUT_DEPTH] = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+		[STILB_GPU_LAYOUT_DEPTH_READ] = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL,
 		[STILB_GPU_LAYOUT_SAMPLED] = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
 		[STILB_GPU_LAYOUT_STORAGE] = VK_IMAGE_LAYOUT_GENERAL,
 		[STILB_GPU_LAYOUT_COPY_FROM] = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
@@ -206,6 +208,8 @@ VkResult gpu_vulkan_texels_create(gpu_vulkan *gpu, const char *name, const stilb
 		.format = info.format,
 		.aspect = depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT,
 	};
+	if (stilb_gpu_format_has_stencil(extent->format))
+		texels->aspect |= VK_IMAGE_ASPECT_STENCIL_BIT;
 	VkResult result = texels_check(gpu, &info);
 	if (result == VK_SUCCESS)
 		result = texels_make(gpu, &info, memory, offset, texels);

@@ -176,6 +176,7 @@ typedef struct gpu_vulkan {
 	uint64_t timestamp_mask; /* valid bits of a timestamp; 0: the queue has none */
 	bool anisotropic;        /* samplers can be */
 	bool lines;              /* of triangles the edges alone can be drawn */
+	bool counts;             /* depthClamp */
 	bool calibrates;         /* VK_EXT_calibrated_timestamps is enabled */
 	gpu_vulkan_times times;
 
@@ -388,6 +389,12 @@ typedef enum gpu_vulkan_seen {
 VkImageView gpu_vulkan_texels_view(gpu_vulkan *gpu, gpu_vulkan_texels *texels, gpu_vulkan_seen seen,
                                    stilb_gpu_range range);
 VkImageLayout gpu_vulkan_layout(stilb_gpu_layout layout);
+
+/* The stencil's format of attachments with this format of depth; UNDEFINED: there is none. */
+static inline VkFormat gpu_vulkan_stencil_format(VkFormat depth)
+{
+	return depth == VK_FORMAT_D32_SFLOAT_S8_UINT ? depth : VK_FORMAT_UNDEFINED;
+}
 /* The layout in which an image waits for draws that sample it. */
 stilb_gpu_layout gpu_vulkan_rest(const stilb_gpu_extent *extent);
 void gpu_vulkan_name(gpu_vulkan *gpu, VkObjectType type, uint64_t object, const char *name);

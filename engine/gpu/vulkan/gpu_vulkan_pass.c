@@ -11,12 +11,13 @@
 static VkResult pool_add(gpu_vulkan *gpu, gpu_vulkan_slot *slot)
 {
 	uint32_t sets = POOL_SETS << (slot->pool_count < 8 ? slot->pool_count : 8);
-	VkDescriptorPoolSize sizes[2] = {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, sets * 4},
-	                                 {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, sets * 2}};
+	VkDescriptorPoolSize sizes[3] = {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, sets * 4},
+	                                 {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, sets * 2},
+	                                 {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, sets * 2}};
 	VkDescriptorPoolCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
 		.maxSets = sets,
-		.poolSizeCount = 2,
+		.poolSizeCount = 3,
 		.pPoolSizes = sizes,
 	};
 	if (slot->pool_count == GPU_VULKAN_POOLS)
@@ -102,7 +103,8 @@ static void pass_constants(pass_work *work)
 		const stilb_gpu_use *use = &pass->uses[u];
 		const gpu_vulkan_target *target = &work->gpu->targets[use->resource];
 		const gpu_vulkan_buffer *buffer = use->previous ? target->buffer_before : target->buffer;
-		if (!buffer || use->how < STILB_GPU_USE_STORAGE_READ || use->how > STILB_GPU_USE_STORAGE)
+		if (!buffer || use->how < STILB_GPU_USE_STORAGE_READ || use->how > STILB_GPU_USE_STORAGE ||
+		    use->slot == STILB_GPU_NO_SLOT)
 			continue;
 		STILB_ASSERT(use->slot + sizeof buffer->address <= pass->constant_bytes);
 		memcpy(work->constants + use->slot, &buffer->address, sizeof buffer->address);
@@ -120,21 +122,39 @@ static void pass_push(const pass_work *work, VkCommandBuffer commands, const gpu
 static VkResult pass_set(pass_work *work, const gpu_program *program, VkDescriptorSet *set)
 {
 	VkDescriptorImageInfo images[STILB_GPU_MAX_USES];
+	VkDescriptorBufferInfo buffers[STILB_GPU_MAX_USES];
 	VkWriteDescriptorSet writes[STILB_GPU_MAX_USES];
 	uint32_t count = 0;
 	gpu_vulkan *gpu = work->gpu;
 	*set = VK_NULL_HANDLE;
-	if (program->desc.samplers + program->desc.storage_images == 0)
+	if (program->desc.samplers + program->desc.storage_images + program->desc.uniforms == 0)
 		return VK_SUCCESS;
 	VkResult result = pool_set(gpu, ((gpu_vulkan_program *)program->own)->uses, set);
 	for (uint32_t u = 0; u < work->pass->use_count && result == VK_SUCCESS; u++) {
 		const stilb_gpu_use *use = &work->pass->uses[u];
 		const gpu_vulkan_target *target = &gpu->targets[use->resource];
+		if (use->how == STILB_GPU_USE_UNIFORM) {
+			buffers[count] = (VkDescriptorBufferInfo){
+				.buffer = (use->previous ? target->buffer_before : target->buffer)->buffer,
+				.offset = use->first,
+				.range = use->bytes > 0 ? use->bytes : VK_WHOLE_SIZE,
+			};
+			writes[count] = (VkWriteDescriptorSet){
+				.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+				.dstSet = *set,
+				.dstBinding = use->slot,
+				.descriptorCount = 1,
+				.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+				.pBufferInfo = &buffers[count],
+			};
+			count++;
+			continue;
+		}
 		gpu_vulkan_texels *texels = use->previous ? target->before : target->texels;
 		if (!texels || use->how > STILB_GPU_USE_STORAGE)
 			continue;
 		bool sampled = use->how == STILB_GPU_USE_SAMPLED;
-		bool depth = texels->aspect == VK_IMAGE_ASPECT_DEPTH_BIT;
+		bool depth = texels->aspect & VK_IMAGE_ASPECT_DEPTH_BIT;
 		stilb_gpu_layout layout = !sampled ? STILB_GPU_LAYOUT_STORAGE
 		                          : depth  ? STILB_GPU_LAYOUT_DEPTH_READ
 		                                   : STILB_GPU_LAYOUT_SAMPLED;
@@ -165,9 +185,10 @@ static VkResult pass_set(pass_work *work, const gpu_program *program, VkDescript
 
 static VkAttachmentLoadOp load_of(uint8_t load)
 {
-	return load == STILB_GPU_LOAD_KEEP    ? VK_ATTACHMENT_LOAD_OP_LOAD
-	       : load == STILB_GPU_LOAD_CLEAR ? VK_ATTACHMENT_LOAD_OP_CLEAR
-	                                      : VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+	bool clears = load == STILB_GPU_LOAD_CLEAR || load == STILB_GPU_LOAD_CLEAR_AREA;
+	return load == STILB_GPU_LOAD_KEEP ? VK_ATTACHMENT_LOAD_OP_LOAD
+	       : clears                    ? VK_ATTACHMENT_LOAD_OP_CLEAR
+	                                   : VK_ATTACHMENT_LOAD_OP_DONT_CARE;
 }
 
 static stilb_gpu_range attachment_range(const stilb_gpu_attachment *a)
@@ -227,11 +248,30 @@ static VkResult attachment_depth(pass_work *work, const stilb_gpu_attachment *a,
 	return out->imageView ? VK_SUCCESS : VK_ERROR_OUT_OF_HOST_MEMORY;
 }
 
+/* What the pass fills: its area, or all of its attachments. */
+static VkRect2D pass_rectangle(const pass_work *work)
+{
+	const uint16_t *area = work->pass->area;
+	if (gpu_pass_has_area(work->pass))
+		return (VkRect2D){{area[0], area[1]}, {area[2], area[3]}};
+	return (VkRect2D){.extent = {work->step->area[0], work->step->area[1]}};
+}
+
+/* What attachments are loaded in: all, unless one is cleared in the pass's area alone. */
+static VkRect2D rendering_area(const pass_work *work)
+{
+	bool part = work->pass->depth.image != 0 && work->pass->depth.load == STILB_GPU_LOAD_CLEAR_AREA;
+	for (uint32_t c = 0; c < work->pass->color_count; c++)
+		part |= work->pass->color[c].load == STILB_GPU_LOAD_CLEAR_AREA;
+	return part ? pass_rectangle(work) : (VkRect2D){.extent = {work->step->area[0], work->step->area[1]}};
+}
+
 static VkResult rendering_begin(pass_work *work, VkCommandBuffer commands, VkRenderingFlags contents)
 {
 	const stilb_gpu_pass *pass = work->pass;
 	VkRenderingAttachmentInfo colors[STILB_GPU_MAX_COLORS], depth;
 	uint32_t layers = 1;
+	bool stencil = pass->depth.image && stilb_gpu_format_has_stencil(extent_of(work, pass->depth.image)->format);
 	VkResult result = VK_SUCCESS;
 	for (uint32_t c = 0; c < pass->color_count && result == VK_SUCCESS; c++) {
 		result = attachment_color(work, &pass->color[c], &colors[c]);
@@ -246,23 +286,15 @@ static VkResult rendering_begin(pass_work *work, VkCommandBuffer commands, VkRen
 	VkRenderingInfo info = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
 		.flags = contents,
-		.renderArea = {.extent = {work->step->area[0], work->step->area[1]}},
+		.renderArea = rendering_area(work),
 		.layerCount = layers,
 		.colorAttachmentCount = pass->color_count,
 		.pColorAttachments = pass->color_count > 0 ? colors : NULL, /* see batch_record in gpu_vulkan_access.c */
 		.pDepthAttachment = pass->depth.image ? &depth : NULL,
+		.pStencilAttachment = stencil ? &depth : NULL,
 	};
 	vkCmdBeginRendering(commands, &info);
 	return VK_SUCCESS;
-}
-
-/* What the pass fills: its area, or all of its attachments. */
-static VkRect2D pass_rectangle(const pass_work *work)
-{
-	const uint16_t *area = work->pass->area;
-	if (gpu_pass_has_area(work->pass))
-		return (VkRect2D){{area[0], area[1]}, {area[2], area[3]}};
-	return (VkRect2D){.extent = {work->step->area[0], work->step->area[1]}};
 }
 
 static void pass_area(const pass_work *work, VkCommandBuffer commands)
@@ -479,6 +511,7 @@ static VkResult list_begin(const pass_work *work, VkCommandBuffer commands)
 		.colorAttachmentCount = work->variant.color_count,
 		.pColorAttachmentFormats = work->variant.colors,
 		.depthAttachmentFormat = work->variant.depth,
+		.stencilAttachmentFormat = gpu_vulkan_stencil_format(work->variant.depth),
 		.rasterizationSamples = (VkSampleCountFlagBits)work->variant.samples,
 	};
 	VkCommandBufferInheritanceInfo inheritance = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_INFO,

@@ -16,13 +16,14 @@ VkShaderStageFlags gpu_vulkan_program_stages(const stilb_gpu_program_desc *desc)
 static VkResult program_uses_layout(gpu_vulkan *gpu, const stilb_gpu_program_desc *desc, gpu_vulkan_program *program)
 {
 	VkDescriptorSetLayoutBinding bindings[32];
-	uint32_t count = (uint32_t)desc->samplers + desc->storage_images;
+	uint32_t images = (uint32_t)desc->samplers + desc->storage_images, count = images + desc->uniforms;
 	STILB_ASSERT(count <= 32);
 	for (uint32_t b = 0; b < count; b++)
 		bindings[b] = (VkDescriptorSetLayoutBinding){
 			.binding = b,
-			.descriptorType =
-				b < desc->samplers ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+			.descriptorType = b < desc->samplers ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER
+		                      : b < images       ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE
+		                                         : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
 			.descriptorCount = 1,
 			.stageFlags = gpu_vulkan_program_stages(desc),
 		};
@@ -153,8 +154,9 @@ static VkPipelineShaderStageCreateInfo stage_of(VkShaderStageFlagBits stage, VkS
 	};
 }
 
-static VkPipelineColorBlendAttachmentState blend_of(uint8_t blend)
+static VkPipelineColorBlendAttachmentState blend_of(const stilb_gpu_program_desc *desc)
 {
+	uint8_t blend = desc->blend;
 	VkBlendFactor target = blend == STILB_GPU_BLEND_ADD ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
 	return (VkPipelineColorBlendAttachmentState){
 		.blendEnable = blend != STILB_GPU_BLEND_NONE,
@@ -162,7 +164,7 @@ static VkPipelineColorBlendAttachmentState blend_of(uint8_t blend)
 		.dstColorBlendFactor = target,
 		.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
 		.dstAlphaBlendFactor = target,
-		.colorWriteMask = 0xf,
+		.colorWriteMask = desc->stencil == STILB_GPU_STENCIL_COUNT ? 0 : 0xf,
 	};
 }
 
@@ -199,11 +201,24 @@ static VkPipelineDepthStencilStateCreateInfo depth_of(const stilb_gpu_program_de
 		[STILB_GPU_COMPARE_GREATER_EQUAL] = VK_COMPARE_OP_GREATER_OR_EQUAL,
 		[STILB_GPU_COMPARE_EQUAL] = VK_COMPARE_OP_EQUAL,
 	};
+	VkStencilOpState keep = {.compareOp = VK_COMPARE_OP_ALWAYS, .compareMask = 0xff, .writeMask = 0xff};
+	VkStencilOpState front = keep, back = keep;
+	if (desc->stencil == STILB_GPU_STENCIL_COUNT) {
+		front.depthFailOp = VK_STENCIL_OP_DECREMENT_AND_WRAP;
+		back.depthFailOp = VK_STENCIL_OP_INCREMENT_AND_WRAP;
+	} else if (desc->stencil == STILB_GPU_STENCIL_COUNTED) {
+		front.compareOp = VK_COMPARE_OP_NOT_EQUAL;
+		front.passOp = VK_STENCIL_OP_ZERO;
+		back = front;
+	}
 	return (VkPipelineDepthStencilStateCreateInfo){
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
 		.depthTestEnable = desc->depth != STILB_GPU_COMPARE_NONE || desc->depth_write,
 		.depthWriteEnable = desc->depth_write,
 		.depthCompareOp = compares[desc->depth],
+		.stencilTestEnable = desc->stencil != STILB_GPU_STENCIL_NONE,
+		.front = front,
+		.back = back,
 	};
 }
 
@@ -235,6 +250,7 @@ static VkResult pipeline_graphics(gpu_vulkan *gpu, const program_wanted *wanted,
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
 	VkPipelineRasterizationStateCreateInfo rasterization = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+		.depthClampEnable = desc->stencil != STILB_GPU_STENCIL_NONE,
 		.polygonMode = desc->lines ? VK_POLYGON_MODE_LINE : VK_POLYGON_MODE_FILL,
 		.cullMode = desc->cull_back ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
 		.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
@@ -251,7 +267,7 @@ static VkResult pipeline_graphics(gpu_vulkan *gpu, const program_wanted *wanted,
 	VkPipelineDepthStencilStateCreateInfo depth = depth_of(desc);
 	VkPipelineColorBlendAttachmentState blends[STILB_GPU_MAX_COLORS];
 	for (uint32_t c = 0; c < variant->color_count; c++)
-		blends[c] = blend_of(desc->blend);
+		blends[c] = blend_of(desc);
 	VkPipelineColorBlendStateCreateInfo blend = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
 		.attachmentCount = variant->color_count,
@@ -267,6 +283,7 @@ static VkResult pipeline_graphics(gpu_vulkan *gpu, const program_wanted *wanted,
 		.colorAttachmentCount = variant->color_count,
 		.pColorAttachmentFormats = variant->colors,
 		.depthAttachmentFormat = variant->depth,
+		.stencilAttachmentFormat = gpu_vulkan_stencil_format(variant->depth),
 	};
 	VkGraphicsPipelineCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,

@@ -15,6 +15,7 @@ static stilb_result run_buffer_make(stilb_gpu *base, gpu_buffer *buffer)
 		VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT,
 		VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
 		VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+		VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
 	};
 	gpu_vulkan *gpu = (gpu_vulkan *)base;
 	VkBufferUsageFlags usage = 0;
@@ -195,6 +196,9 @@ static void run_limits(gpu_vulkan *gpu)
 		.samplers_stage = l->maxPerStageDescriptorSamplers,
 		.images_stage = l->maxPerStageDescriptorSampledImages,
 		.storage_images_stage = l->maxPerStageDescriptorStorageImages,
+		.uniforms_stage = l->maxPerStageDescriptorUniformBuffers,
+		.uniform_bytes = l->maxUniformBufferRange,
+		.uniform_align = (uint32_t)l->minUniformBufferOffsetAlignment,
 		.group_invocations = l->maxComputeWorkGroupInvocations,
 		.shared_bytes = l->maxComputeSharedMemorySize,
 		.samples = l->framebufferColorSampleCounts & l->framebufferDepthSampleCounts,
@@ -203,6 +207,7 @@ static void run_limits(gpu_vulkan *gpu)
 		.timestamps = gpu->timestamp_mask != 0,
 		.bc = gpu->base.formats[STILB_GPU_BC7_U] != 0,
 		.lines = gpu->lines,
+		.counts = gpu->counts && (gpu->base.formats[STILB_GPU_D32_F_S8] & STILB_GPU_EXTENT_ATTACHMENT) != 0,
 	};
 	VkPhysicalDeviceMaintenance4Properties largest = {.sType =
 	                                                      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES};

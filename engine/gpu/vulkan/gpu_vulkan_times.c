@@ -143,8 +143,10 @@ void gpu_vulkan_times_pass_end(gpu_vulkan *gpu)
 void gpu_vulkan_times_end(gpu_vulkan *gpu)
 {
 	const gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
-	if (!slot->times.queries)
+	if (!slot->times.queries) {
+		gpu_vulkan_host_barrier(slot->draw); /* also of buffers that programs write for the CPU */
 		return;
+	}
 	times_write(slot, 1, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
 	vkCmdCopyQueryPoolResults(slot->draw, slot->times.queries, 0, times_queries(slot->times.passes),
 	                          slot->times.results.buffer, 0, sizeof(uint64_t),

@@ -13,6 +13,10 @@
 static const char *const deferred_images[RENDER_GBUFFER_IMAGES] = {
 	STILB_RENDER_IMAGE_NORMAL, STILB_RENDER_IMAGE_DIFFUSE, STILB_RENDER_IMAGE_SPECULAR};
 
+/* Of PRELIGHT; PREPASS has the first one alone. */
+static const char *const apart_images[RENDER_APART_IMAGES] = {STILB_RENDER_IMAGE_SCATTERED,
+                                                              STILB_RENDER_IMAGE_HIGHLIGHTS};
+
 float render_deferred_far(const stilb_render_view *view)
 {
 	/* Clip z and w are rows 2 and 3 of the matrix; where z is 0 is far. slope: z's change along the view. */
@@ -30,18 +34,22 @@ float render_deferred_far(const stilb_render_view *view)
 void render_deferred_attach(render_device *device, const stilb_render_view *view, render_frame_target *target,
                             stilb_gpu_pass *row)
 {
-	const stilb_gpu_format *formats = render_gbuffer_formats[view->deferred.gbuffer];
-	for (uint32_t i = 0; i < RENDER_GBUFFER_IMAGES; i++) {
-		char name[STILB_GPU_MAX_NAME + 1];
-		snprintf(name, sizeof name, "%s%s%s", target->main ? "" : target->from->name, target->main ? "" : " ",
-		         deferred_images[i]);
-		target->surfaces[i] = stilb_gpu_plan_image(device->plan, &(stilb_gpu_plan_image_row){.name = name,
-		                                                                                     .format = formats[1 + i],
-		                                                                                     .width = target->width,
-		                                                                                     .height = target->height});
-		row->color[1 + i] = (stilb_gpu_attachment){.image = target->surfaces[i], .load = STILB_GPU_LOAD_DISCARD};
+	bool apart = render_view_way(device, view).apart;
+	uint32_t bits = render_gbuffer_bits(view, 0), first = apart ? 0 : 1, count = apart ? 1 : RENDER_GBUFFER_IMAGES;
+	const stilb_gpu_format *formats =
+		render_gbuffer_formats[bits & RENDER_LIGHTS_GBUFFER8 ? STILB_RENDER_GBUFFER_RGBA8 : STILB_RENDER_GBUFFER_WIDE];
+	for (uint32_t i = 0; i < count; i++) {
+		target->surfaces[i] = render_target_image(device, target, deferred_images[i], formats[1 + i], false);
+		row->color[first + i] = (stilb_gpu_attachment){.image = target->surfaces[i], .load = STILB_GPU_LOAD_DISCARD};
 	}
-	row->color_count = 1 + RENDER_GBUFFER_IMAGES;
+	row->color_count = (uint8_t)(first + count);
+}
+
+void render_deferred_use(const render_frame_target *target, uint8_t slot, stilb_gpu_pass *row)
+{
+	for (uint8_t i = 0; i < RENDER_APART_IMAGES; i++)
+		row->uses[row->use_count++] =
+			(stilb_gpu_use){.resource = target->apart[i], .how = STILB_GPU_USE_SAMPLED, .slot = (uint16_t)(slot + i)};
 }
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
@@ -95,30 +103,87 @@ static bool deferred_rectangle(const stilb_mat4 *matrix, const render_light *lig
 	return true;
 }
 
-/* Adds a row that adds the light of the push's lights first .. first + count - 1. area: NULL: to the whole picture. */
-static void deferred_row(render_device *device, const render_frame_target *target, stilb_gpu_program program,
-                         const render_push *push, uint32_t first, uint32_t count, const uint16_t area[4])
+/* What the rows of a view's lights share. */
+typedef struct deferred_rows {
+	render_device *device;
+	render_frame_target *target;
+	const render_push *push;
+	stilb_gpu_program program;
+	stilb_gpu_use shadows;      /* render_shadow_use */
+	const stilb_gpu_use *tiles; /* NULL: no lists of them */
+	uint32_t bits;              /* render_deferred_bits */
+	bool begun;                 /* of RENDER_LIGHTS_APART: the images have content */
+} deferred_rows;
+
+/* What the rows draw into, besides what is there. */
+static void deferred_colors(deferred_rows *rows, stilb_gpu_pass *row)
 {
+	render_frame_target *target = rows->target;
+	bool apart = rows->bits & RENDER_LIGHTS_APART;
+	row->color_count = (uint8_t)render_deferred_colors(rows->bits);
+	row->color[0] = (stilb_gpu_attachment){.image = target->color, .load = STILB_GPU_LOAD_KEEP};
+	for (uint32_t i = 0; i < RENDER_APART_IMAGES && i < row->color_count && apart; i++) {
+		if (target->apart[i] == 0)
+			target->apart[i] = render_target_image(rows->device, target, apart_images[i], STILB_GPU_RGBA16_F, false);
+		row->color[i] = (stilb_gpu_attachment){.image = target->apart[i],
+		                                       .load = rows->begun ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR};
+	}
+	if (apart && row->color_count == 1)
+		target->apart[1] = target->apart[0];
+	rows->begun = true;
+}
+
+/* A row that adds light: what it reads and draws into. */
+static stilb_gpu_pass deferred_pass(deferred_rows *rows)
+{
+	const render_frame_target *target = rows->target;
+	uint32_t images = rows->bits & RENDER_LIGHTS_APART ? 1 : RENDER_GBUFFER_IMAGES;
 	stilb_gpu_pass row = {
 		.name = target->lights,
 		.kind = STILB_GPU_PASS_FULLSCREEN,
-		.program = program.id,
-		.color_count = 1,
-		.color = {{.image = target->color, .load = STILB_GPU_LOAD_KEEP}},
-		.use_count = 1 + RENDER_GBUFFER_IMAGES,
+		.program = rows->program.id,
+		.use_count = 1,
 		.uses = {{.resource = target->depth, .how = STILB_GPU_USE_SAMPLED}},
-		.constant_bytes = sizeof *push,
+		.constant_bytes = sizeof *rows->push,
 	};
-	render_push own = *push;
+	deferred_colors(rows, &row);
+	for (uint32_t i = 0; i < images; i++)
+		row.uses[row.use_count++] =
+			(stilb_gpu_use){.resource = target->surfaces[i], .how = STILB_GPU_USE_SAMPLED, .slot = (uint16_t)(1 + i)};
+	row.uses[row.use_count] = rows->shadows;
+	row.uses[row.use_count].slot = row.use_count;
+	row.use_count++;
+	if (rows->tiles)
+		row.uses[row.use_count++] = *rows->tiles;
+	else
+		render_cells_use(rows->device, offsetof(render_push, view.lists), &row);
+	memcpy(row.constants, rows->push, sizeof *rows->push);
+	return row;
+}
+
+/* Adds a row that adds the light of the push's lights first .. first + count - 1. area: NULL: to the whole picture. */
+static void deferred_row(deferred_rows *rows, uint32_t first, uint32_t count, const uint16_t area[4])
+{
+	stilb_gpu_pass row = deferred_pass(rows);
+	render_push own = *rows->push;
 	own.view.lights += first * sizeof(render_light);
 	own.view.light_count = count;
-	for (uint16_t i = 0; i < RENDER_GBUFFER_IMAGES; i++)
-		row.uses[1 + i] =
-			(stilb_gpu_use){.resource = target->surfaces[i], .how = STILB_GPU_USE_SAMPLED, .slot = (uint16_t)(1 + i)};
 	if (area)
 		memcpy(row.area, area, sizeof row.area);
 	memcpy(row.constants, &own, sizeof own);
-	stilb_gpu_plan_pass(device->plan, &row);
+	stilb_gpu_plan_pass(rows->device->plan, &row);
+}
+
+/* Likewise, in as many rows as a software device needs. */
+static void deferred_rows_add(deferred_rows *rows, uint32_t first, uint32_t count)
+{
+	uint32_t most = stilb_gpu_is_software(rows->device->gpu) ? RENDER_LIGHTS_LOOP : count;
+	do {
+		uint32_t part = count < most ? count : most;
+		deferred_row(rows, first, part, NULL);
+		first += part;
+		count -= part;
+	} while (count > 0);
 }
 
 stilb_result render_deferred_lights(render_device *device, const render_stream *stream, render_frame_target *target,
@@ -127,31 +192,50 @@ stilb_result render_deferred_lights(render_device *device, const render_stream *
 	render_formula_programs *choice;
 	const stilb_render_view *view = stream->view;
 	const render_view_lights *lights = &stream->lights;
-	stilb_result result =
-		render_programs_choose(device, &view->shading, render_deferred_bits(view, lights->bits), 0, 0, &choice);
+	render_way way = render_view_way(device, view);
+	uint32_t bits = render_deferred_bits(view, lights->bits);
+	bool volumes = render_view_has_volumes(device, view);
+	stilb_gpu_use tiles;
+	deferred_rows rows = {.device = device, .target = target, .push = push, .bits = bits};
+	stilb_result result = render_programs_choose(device, &view->shading, bits, 0, 0, &choice);
 	if (result == STILB_OK)
-		result = render_programs_deferred(device, choice);
-	if (result != STILB_OK || lights->count == 0)
+		result = render_programs_deferred(device, choice, volumes);
+	if (result != STILB_OK || (lights->count == 0 && !way.apart))
+		return result;
+	stilb_gpu_pass reads = {0};
+	result = render_shadow_use(device, stream, &reads);
+	rows.shadows = reads.uses[0];
+	if (result == STILB_OK && bits & RENDER_LIGHTS_TILES) {
+		result = render_tiles_make(device, stream, target, push, &tiles);
+		rows.tiles = &tiles;
+	}
+	if (result != STILB_OK)
 		return result;
 	snprintf(target->lights, sizeof target->lights, "%.*s lights", (int)(sizeof target->lights - sizeof " lights"),
 	         stream->pass->name ? stream->pass->name : "pass");
-	bool rectangles = view->deferred.coverage == STILB_RENDER_COVERAGE_RECTANGLES;
+	rows.program = choice->deferred;
+	bool lists = way.tiles || view->deferred.coverage == STILB_RENDER_COVERAGE_CELLS;
+	bool rectangles = !lists && !volumes && view->deferred.coverage != STILB_RENDER_COVERAGE_SCREEN;
 	uint32_t ending = lights->count - lights->endless;
 	uint32_t most = render_light_rows_left(device->frame.light_rows);
 	uint32_t each = !rectangles ? 0 : ending < most ? ending : most;
 	device->frame.light_rows += each;
-	bool cells = view->deferred.coverage == STILB_RENDER_COVERAGE_CELLS;
-	uint32_t whole = cells ? lights->everywhere : rectangles ? lights->endless : lights->count;
-	if (whole > 0 || cells)
-		deferred_row(device, target, choice->deferred, push, 0, whole, NULL);
+	uint32_t whole = lists ? lights->everywhere : rectangles || volumes ? lights->endless : lights->count;
+	if (bits & RENDER_LIGHTS_LISTS) /* with the lights of these */
+		deferred_row(&rows, 0, whole, NULL);
+	else if (whole > 0 || way.apart)
+		deferred_rows_add(&rows, 0, whole);
 	const render_light *written = stream->written;
 	for (uint32_t i = 0; i < each; i++) {
 		uint16_t area[4];
 		if (deferred_rectangle(&view->view_projection, &written[lights->endless + i], target->width, target->height,
 		                       area))
-			deferred_row(device, target, choice->deferred, push, lights->endless + i, 1, area);
+			deferred_row(&rows, lights->endless + i, 1, area);
 	}
 	if (each < ending && rectangles)
-		deferred_row(device, target, choice->deferred, push, lights->endless + each, ending - each, NULL);
-	return STILB_OK;
+		deferred_rows_add(&rows, lights->endless + each, ending - each);
+	if (!volumes || ending == 0)
+		return STILB_OK;
+	stilb_gpu_pass row = deferred_pass(&rows);
+	return render_volumes_add(device, stream, target, choice, &row);
 }

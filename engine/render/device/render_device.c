@@ -121,6 +121,8 @@ stilb_result render_device_create(const stilb_render_desc *desc, render_device *
 	if (!device)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the device");
 	device->null = desc->device == STILB_RENDER_DEVICE_NULL;
+	device->most_room = UINT32_MAX;
+	memset(device->pairs, 0xff, sizeof device->pairs);
 	device->width = desc->width;
 	device->height = desc->height;
 	device->replay = desc->replay;
@@ -304,6 +306,10 @@ stilb_result render_device_read_light(render_device *device, stilb_image *image)
 		                  "picture, as .png, or end them later",
 		                  device->until);
 	stilb_result result = read_check(device, device->drawn && device->lit, "with a scene ");
-	return result == STILB_OK ? device_read(device, render_target_main(device)->color, STILB_IMAGE_F16_LINEAR, image)
-	                          : result;
+	if (result != STILB_OK)
+		return result;
+	const render_frame_target *main = render_target_main(device);
+	bool error = main->tone == RENDER_TONE_ERROR;
+	uint16_t light = error ? stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_ERROR) : main->color;
+	return device_read(device, light, STILB_IMAGE_F16_LINEAR, image);
 }

@@ -35,7 +35,7 @@ typedef struct render_buffer {
 /* A view as the shaders read it (shaders/mesh.glsl): what is in a buffer, and what is in constants. */
 typedef struct render_view_data {
 	float view_projection[16];
-	float sky[4];
+	float sky[4]; /* these two, harmonics and mirrored: of render_ambient */
 	float ground[4];
 	uint64_t extras, extra_places;  /* of the heaps of these */
 	float time;                     /* seconds, for functions of surfaces */
@@ -43,11 +43,13 @@ typedef struct render_view_data {
 	float far;                      /* the largest w of clip space that surfaces in 8 bits have */
 	float last_view_projection[16]; /* for velocities alone */
 	uint64_t last_vertices;         /* the heap of these */
-	uint64_t also_padding;
-	float from_clip[16]; /* clip space to the world */
+	uint64_t shadows;               /* render_shadow_map */
+	float from_clip[16];            /* clip space to the world */
+	float harmonics[9][4];
+	float mirrored[4];
 } render_view_data;
 
-static_assert(sizeof(render_view_data) == 272, "std430");
+static_assert(sizeof(render_view_data) == 432, "std430");
 
 typedef struct render_view_push {
 	float camera_position[4];
@@ -157,7 +159,24 @@ extern const stilb_gpu_shader render_function_vertex[2][2][2], render_function_c
 
 /* Of surfaces that are lit later, as render_mesh_fragment and [gloss][extras]; and of the pass that does. */
 extern const stilb_gpu_shader render_gbuffer_mesh_fragment[2][RENDER_SURFACES], render_gbuffer_maps_fragment[2][2];
-extern const stilb_gpu_shader render_deferred_fragment;
+extern const stilb_gpu_shader render_deferred_fragment[2]; /* [1: whose surfaces are drawn again] */
+/* Of surfaces whose light is added up before they are drawn again: of the first time without what mirrors the panorama;
+ * of the second as _gbuffer_... */
+extern const stilb_gpu_shader render_slim_mesh_fragment[RENDER_SURFACES], render_slim_maps_fragment[2];
+extern const stilb_gpu_shader render_images_mesh_fragment[2][RENDER_SURFACES], render_images_maps_fragment[2][2];
+/* By render_cells. */
+extern const stilb_gpu_shader render_cells_compute[];
+/* What surfaces send on of the surroundings' light, as _gbuffer_...; and that added to the rest. */
+extern const stilb_gpu_shader render_around_mesh_fragment[2][RENDER_SURFACES], render_around_maps_fragment[2][2];
+extern const stilb_gpu_shader render_around_fragment;
+/* How far two images are apart. */
+extern const stilb_gpu_shader render_difference_fragment;
+/* Velocities, normals and ids: [extras]. */
+extern const stilb_gpu_shader render_seen_mesh_fragment[RENDER_SURFACES], render_seen_maps_fragment[2];
+/* By render_tiles. */
+extern const stilb_gpu_shader render_tiles_compute[];
+/* Of bodies around lights, and of the depth that these are compared with. */
+extern const stilb_gpu_shader render_volume_vertex, render_volume_depth_fragment;
 /* Of channels in the place of light. Impostors keep their vertex shader. */
 enum { RENDER_CHANNEL_MESH, RENDER_CHANNEL_MAPS, RENDER_CHANNEL_MAPS_EXTRAS, RENDER_CHANNEL_VERTICES };
 extern const stilb_gpu_shader render_channel_vertex[2][RENDER_CHANNEL_VERTICES]; /* [1: packed] */
@@ -181,6 +200,23 @@ typedef enum render_formula {
 
 #define RENDER_PROGRAM_KINDS 4u /* RENDER_DETAIL_KINDS */
 
+/* Programs that make the lists of cells, in their order (render_cells.c). */
+typedef enum render_cells {
+	RENDER_CELLS_COUNT,
+	RENDER_CELLS_SUM,
+	RENDER_CELLS_FILL,
+	RENDER_CELLS_PASSES,
+} render_cells;
+
+/* Programs that shorten lists by what is seen (render_tiles.c). */
+typedef enum render_tiles {
+	RENDER_TILES_DEPTH,   /* of tiles */
+	RENDER_TILES_NORMALS, /* with the images of surfaces */
+	RENDER_TILES_GLOSS,   /* with them and stilb_render_view.light_tolerance, for the view's formulas */
+	RENDER_TILES_INDICES, /* of pixels */
+	RENDER_TILES_KINDS,
+} render_tiles;
+
 /* A program of meshes whose material has maps. */
 typedef struct render_maps_program {
 	uint64_t key; /* render_maps_key */
@@ -200,23 +236,30 @@ typedef struct render_formula_programs {
 	/* Bit kind * RENDER_SURFACES + surface: made and compiled. Release when that is done, acquire by who needs them. */
 	_Atomic uint32_t ready;
 	render_maps_program *maps; /* [map_count] under the lock of programs */
-	stilb_gpu_program
-		deferred; /* under the lock: of passes over the picture with these lights; {0}: not needed so far */
+	/* Under the lock: of passes over the picture with these lights, over bodies around them, and RENDER_TILES_GLOSS;
+	 * {0}: not needed so far. */
+	stilb_gpu_program deferred, volumes, gloss;
 	uint32_t map_count, map_capacity;
 } render_formula_programs;
 
 /* True if they draw depth alone, or velocities with it. */
 bool render_formulas_are_depth(const render_formula_programs *programs);
 bool render_formulas_are_velocity(const render_formula_programs *programs);
+/* True if they draw normals and ids with velocities. */
+bool render_formulas_are_seen(const render_formula_programs *programs);
 /* True if they draw surfaces whose lights come later. */
 bool render_formulas_are_gbuffer(const render_formula_programs *programs);
+/* True if they add up lights, so that they read the image of shadow maps, or one in its place. */
+bool render_formulas_have_shadows(const render_formula_programs *programs);
 /* True if their highlights mirror the panorama: they read the pass's three images of it (render_device_gloss). */
 bool render_formulas_are_gloss(const render_formula_programs *programs);
 
 /* What the tone map shows besides SHADE_TONE_...: channels in the place of light (stilb_scene_channel_kind). */
 #define RENDER_TONE_DATA SHADE_TONE_COUNT
 #define RENDER_TONE_COUNT (SHADE_TONE_COUNT + 1)
-#define RENDER_TONES (SHADE_TONE_COUNT + 2)
+#define RENDER_TONE_LIGHTS (SHADE_TONE_COUNT + 2) /* and lights that were counted */
+#define RENDER_TONE_ERROR (SHADE_TONE_COUNT + 3)  /* and how far light is from that of another view */
+#define RENDER_TONES (SHADE_TONE_COUNT + 4)
 
 typedef struct render_programs {
 	pthread_mutex_t lock; /* guards all below */
@@ -224,8 +267,12 @@ typedef struct render_programs {
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
 	stilb_gpu_program flats[RENDER_FLATS], backdrops[RENDER_BACKDROPS], resolve, behind, behind_half, velocity_far;
-	stilb_gpu_program tones[2][RENDER_TONES]; /* [1: of an image with a place in the picture] */
-	struct render_function **functions;       /* [RENDER_MAX_FUNCTIONS] NULL: there is none with this index */
+	stilb_gpu_program around, difference;
+	stilb_gpu_program volume_depth, volume_count[2]; /* [1: with the bindings of what is apart] */
+	stilb_gpu_program cells[RENDER_CELLS_PASSES];
+	stilb_gpu_program tiles[RENDER_TILES_KINDS][2]; /* [1: with RENDER_LIGHTS_GBUFFER8] but for _GLOSS */
+	stilb_gpu_program tones[2][RENDER_TONES];       /* [1: of an image with a place in the picture] */
+	struct render_function **functions;             /* [RENDER_MAX_FUNCTIONS] NULL: there is none with this index */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
 } render_programs;
 
@@ -233,8 +280,10 @@ typedef struct render_programs {
 
 /* What a frame in flight has of its own. */
 typedef struct render_slot {
-	render_buffer memory[6];                          /* by render_memory_kind */
-	render_buffer views;                              /* render_view_data[STILB_RENDER_MAX_PASSES] */
+	render_buffer memory[6];               /* by render_memory_kind */
+	render_buffer pairs;                   /* of lists by compute, by pass; {0}: none so far (render_cells.c) */
+	bool counted[STILB_RENDER_MAX_PASSES]; /* the slot's last frame writes them */
+	render_buffer views;                   /* render_view_data[STILB_RENDER_MAX_PASSES] */
 	render_buffer backdrops[STILB_RENDER_MAX_PASSES]; /* what shaders/backdrop.frag reads; {0}: not needed so far */
 } render_slot;
 
@@ -255,9 +304,10 @@ typedef struct render_device_maps {
  * materials. */
 #define RENDER_BINDINGS (RENDER_PROGRAM_KINDS * RENDER_SURFACES * 2 * 2)
 
-/* Of a frame: for each pass two of surfaces that are lit later or again (render_ways.c), up to three of others
- * (render_through.c) and one of velocities, one that shows nothing, and those of features. */
-#define RENDER_MAX_LISTS (6u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
+/* Of a frame: for each pass two of surfaces that are lit later or again (render_ways.c), one of the surroundings' light
+ * (render_around.c), one of bodies around lights (render_volumes.c), up to three of others (render_through.c) and one
+ * of velocities, one that shows nothing, and those of features. */
+#define RENDER_MAX_LISTS (8u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
 
 /* The draws of a pass. */
 typedef struct render_list {
@@ -272,6 +322,8 @@ typedef struct render_list {
 /* By stilb_render_gbuffer: behind that of radiance. */
 extern const stilb_gpu_format render_gbuffer_formats[STILB_RENDER_GBUFFER_KINDS][1 + RENDER_GBUFFER_IMAGES];
 
+#define RENDER_APART_IMAGES 2u /* of light, and of highlights */
+
 /* Rows of a frame for further lights and single lights, of all views, at most: the plan's limit is twice that. */
 #define RENDER_LIGHT_ROWS 2048u
 /* How many of them a view may add: half of what is left. */
@@ -279,6 +331,8 @@ static inline uint32_t render_light_rows_left(uint32_t used)
 {
 	return used < RENDER_LIGHT_ROWS ? (RENDER_LIGHT_ROWS - used + 1) / 2 : 0;
 }
+
+#define RENDER_MAX_LAYERS 256u /* of a target of kind DEPTH */
 
 /* The images of a stilb_render_target in a frame. */
 typedef struct render_frame_target {
@@ -288,13 +342,17 @@ typedef struct render_frame_target {
 	uint16_t color, samples, depth; /* resources of the plan; 0: it has none. samples: with several a pixel */
 	uint16_t behind;                /* as of render_through.c; 0: no pass has needed it so far */
 	uint16_t velocity, velocity_depth;        /* of one sample a pixel; 0: no view has asked for them so far */
+	uint16_t normal, id;                      /* likewise */
 	uint16_t surfaces[RENDER_GBUFFER_IMAGES]; /* in the order of gbuffer.glsl; 0: as those */
-	char lights[STILB_GPU_MAX_NAME + 1];      /* name of the rows that light surfaces */
-	bool drawn;                               /* a pass has drawn into it */
-	bool transparent;                         /* the backdrop is nothing, and alpha counts */
+	uint16_t apart[RENDER_APART_IMAGES]; /* the light of PREPASS, or that of PRELIGHT and its highlights; 0: as those */
+	char lights[STILB_GPU_MAX_NAME + 1]; /* name of the rows that light surfaces */
+	stilb_result result;                 /* of making its image; else there is none */
+	bool drawn;                          /* a pass has drawn into it */
+	uint64_t layers_drawn[RENDER_MAX_LAYERS / 64]; /* likewise, a bit for each layer of depth alone */
+	bool transparent;                              /* the backdrop is nothing, and alpha counts */
 	uint32_t width, height;
-	uint32_t tone;    /* SHADE_TONE_... or RENDER_TONE_... */
-	uint32_t channel; /* 1 + the one that is shown in the place of light; 0: none */
+	uint32_t tone; /* SHADE_TONE_... or RENDER_TONE_... */
+	bool data;     /* there is something else in the place of radiance */
 	float exposure;
 	bool dither;
 } render_frame_target;
@@ -307,6 +365,9 @@ typedef struct render_frame {
 	bool shown;                /* picture has content: of targets, or of 2D passes */
 	uint16_t cube, dfg, light; /* resources of the plan: render_device's; 0: no pass reads them */
 	uint16_t texels;           /* likewise */
+	uint32_t empty_list;       /* 1 + the list without draws; 0: no pass needed one so far */
+	uint16_t no_shadows;       /* the image that programs read where there are none; 0: as those */
+	uint16_t light_lists;      /* of the pass that is being added, made by compute; 0: it has none of these */
 	uint32_t views;            /* of slot.views that are in use */
 	uint32_t backdrops;
 	uint32_t list_count, own_lists, run_count; /* own_lists: those of features */
@@ -339,8 +400,12 @@ typedef struct render_device {
 	stilb_gpu_image light, next_light; /* and .light */
 	stilb_gpu_image texels;            /* and .texels, shown */
 	stilb_gpu_image dfg;               /* of all panoramas; {0}: none so far */
+	stilb_gpu_image no_shadows;        /* what programs read where there are no shadows; {0}: likewise */
+	stilb_gpu_image lasting;           /* of a lasting target; {0}: likewise */
+	stilb_gpu_extent lasting_extent;
 	stilb_gpu_sampler cube_sampler;
-	render_device_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
+	render_buffer volume_draw, volume_indices; /* of a body around a light; {0}: none so far */
+	render_device_texture *textures;           /* [STILB_RENDER_MAX_TEXTURES] */
 	render_arrays arrays;
 	render_device_maps *maps;  /* [RENDER_MAX_MAPS] by group */
 	uint32_t through;          /* of maps: those that light goes through */
@@ -348,6 +413,10 @@ typedef struct render_device {
 	stilb_gpu_sampler sampler; /* of all textures: linear, repeated, no mip levels */
 	stilb_gpu_sampler linear;  /* clamped */
 	render_programs programs;
+
+	uint32_t pairs[STILB_RENDER_MAX_PASSES]; /* of each pass's lists, as is known last; UINT32_MAX: nothing */
+	uint32_t rooms[STILB_RENDER_MAX_PASSES]; /* of those by compute */
+	uint32_t most_room;                      /* UINT32_MAX; tests change it */
 
 	render_frame frame;
 	render_list lists[RENDER_MAX_LISTS];
@@ -439,8 +508,14 @@ void render_programs_destroy(render_device *device);
  * each. [any-thread] */
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen);
-/* Makes choice->deferred and compiles it, unless it is there. [any-thread] */
-stilb_result render_programs_deferred(render_device *device, render_formula_programs *choice);
+/* Makes choice->deferred, unless it is there; and, if asked for, choice->volumes and what that needs. All are compiled.
+ * [any-thread] */
+stilb_result render_programs_deferred(render_device *device, render_formula_programs *choice, bool volumes);
+/* Makes programs.cells and compiles them, unless they are there. [any-thread] */
+stilb_result render_programs_cells(render_device *device);
+/* The program of that kind for images of surfaces with these bits, _GBUFFER8 or 0; compiled. [any-thread] */
+stilb_result render_programs_tiles(render_device *device, const stilb_render_shading *shading, render_tiles kind,
+                                   uint32_t bits, stilb_gpu_program *program);
 /* The program of that choice and key; made and compiled unless it is there. {0}: its function has been destroyed
  * meanwhile. [any-thread] */
 stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint64_t key,
@@ -455,6 +530,10 @@ stilb_result render_programs_tone(render_device *device, uint32_t tone, bool pla
 stilb_result render_programs_backdrop(render_device *device, render_backdrop_kind kind);
 /* What draws velocities where no model is. [any-thread] */
 stilb_result render_programs_velocity(render_device *device);
+/* What adds the surroundings' light where it is apart. [any-thread] */
+stilb_result render_programs_around(render_device *device);
+/* Compiles what compares two images. [any-thread] */
+stilb_result render_programs_difference(render_device *device);
 /* What copies the light behind draws with transmission. */
 stilb_result render_programs_behind(render_device *device);
 /* The kinds of maps that materials have. */
@@ -484,21 +563,44 @@ stilb_result render_through_copy(render_device *device, const struct render_stre
 stilb_result render_through_use(render_device *device, const render_frame_target *target, uint16_t slot,
                                 stilb_gpu_use *use);
 
-/* ---- render_velocity.c: where things were in the frame before ---------------------------------------------------- */
+/* ---- render_velocity.c: where things were in the frame before, and what they are --------------------------------- */
 
 /* Begins the target's image of velocities, unless it is there: with those of what is infinitely far away. view: the
  * address of its render_view_data. */
 stilb_result render_velocity_begin(render_device *device, const struct render_stream *stream, uint64_t view,
                                    render_frame_target *target);
+/* Adds to a row the images that the view's passes leave: of velocities and depth, and with stilb_render_view.surfaces
+ * of normals and ids. begun: passes before have drawn into the first two. */
+void render_velocity_attach(render_device *device, const struct render_stream *stream, bool begun,
+                            render_frame_target *target, stilb_gpu_pass *row);
+
+/* ---- render_around.c: the surroundings' light apart from all other ----------------------------------------------- */
+
+/* Adds to the row that draws it the two images of that light, and its depth. */
+void render_around_attach(render_device *device, render_frame_target *target, stilb_gpu_pass *row);
+/* Adds the row that adds these two, or what has taken their place, to the target's radiance. */
+stilb_result render_around_add(render_device *device, const render_frame_target *target, const uint16_t images[2]);
 
 /* ---- render_target.c: what scene passes draw into ---------------------------------------------------------------- */
 
 /* The frame's images for a view's target, or NULL: for the main ones; made when they are first asked for. */
 render_frame_target *render_target_get(render_device *device, const stilb_render_target *target);
+/* The number of a list without draws among the frame's: of passes that clear alone. */
+uint32_t render_target_nothing(render_device *device);
+/* The name of what the target has besides colour and depth: of the main images `what`, else it stands behind the
+ * target's. */
+void render_target_name(const render_frame_target *target, const char *what, char name[STILB_GPU_MAX_NAME + 1]);
+/* An image of that name, of the target's size, with one sample a pixel. output: it is read after the frame, if the
+ * target's are. */
+uint16_t render_target_image(render_device *device, const render_frame_target *target, const char *what,
+                             stilb_gpu_format format, bool output);
 /* The main images; NULL: the frame has none. */
 render_frame_target *render_target_main(render_device *device);
 /* Adds the passes that make light of samples. */
 void render_targets_resolve(render_device *device);
+/* Adds the pass that compares the light of a target, without what features have made of it, with the reference; *light:
+ * how far they are apart. STILB_ERROR_ARGUMENT: there is none. */
+stilb_result render_target_compare(render_device *device, const render_frame_target *target, uint16_t *light);
 /* Adds the passes that show targets in the picture, main_light in the place of the main one's light. */
 void render_targets_show(render_device *device, uint16_t main_light);
 

@@ -33,7 +33,7 @@ static stilb_result frame_stage(render_device *device, stilb_render_stage stage,
 		if (feature->stage != stage)
 			continue;
 		uint16_t given = *image;
-		bool replaces = stage == STILB_RENDER_STAGE_LIGHT || stage == STILB_RENDER_STAGE_PICTURE;
+		bool replaces = stage != STILB_RENDER_STAGE_FIRST && stage != STILB_RENDER_STAGE_LAST;
 		device->frame.added[f].first = stilb_gpu_plan_passes(device->plan);
 		result = feature->add(feature->user, device->plan, &given);
 		device->frame.added[f].end = stilb_gpu_plan_passes(device->plan);
@@ -71,13 +71,6 @@ static void frame_copy3(float out[4], const float in[3])
 	out[3] = 0.0f;
 }
 
-/* Pixels of a picture of this height that a length of 1 at a distance of 1 has. */
-static float frame_pixels(const stilb_render_view *view, uint32_t height)
-{
-	const float *m = view->view_projection.m; /* its second row is the camera's up, scaled */
-	return 0.5f * (float)height * sqrtf(m[1] * m[1] + m[5] * m[5] + m[9] * m[9]);
-}
-
 /* Writes the stream's view to the slot's array, and returns what passes have of it as constants. width, height: of what
  * they draw into, pixels. */
 static render_view_push frame_write_view(render_device *device, const render_stream *stream, uint32_t width,
@@ -89,8 +82,12 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	STILB_ASSERT(index < STILB_RENDER_MAX_PASSES);
 	render_view_data *out = (render_view_data *)slot->views.mapped + index;
 	memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
-	frame_copy3(out->sky, view->surroundings.sky);
-	frame_copy3(out->ground, view->surroundings.ground);
+	render_ambient ambient;
+	render_ambient_of(view, stream->panorama, &ambient);
+	memcpy(out->sky, ambient.sky, sizeof out->sky);
+	memcpy(out->ground, ambient.ground, sizeof out->ground);
+	memcpy(out->harmonics, ambient.harmonics, sizeof out->harmonics);
+	memcpy(out->mirrored, ambient.mirrored, sizeof out->mirrored);
 	out->extras = device->heaps[RENDER_HEAP_EXTRAS].address;
 	out->extra_places = device->heaps[RENDER_HEAP_EXTRA_PLACES].address;
 	out->time = view->time;
@@ -102,12 +99,12 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	stilb_mat4 from_clip = stilb_mat4_inverse(&view->view_projection);
 	memcpy(out->from_clip, from_clip.m, sizeof out->from_clip);
 	out->last_vertices = device->heaps[RENDER_HEAP_LAST].address;
-	out->also_padding = 0;
+	out->shadows = slot->memory[RENDER_MEMORY_LIGHT_LISTS].address + stream->lights.shadows * sizeof(float[4]);
 	render_view_push push = {
 		.added = {view->shading.roughness, view->shading.anisotropy, view->shading.wrap, view->shading.specular},
 		.turn = {sinf(view->surroundings.rotation), cosf(view->surroundings.rotation)},
 		.light_count = stream->lights.everywhere,
-		.pixels = frame_pixels(view, height),
+		.pixels = render_view_pixels(view, height),
 		.lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->lights.first * sizeof(render_light),
 		.maps = device->heaps[RENDER_HEAP_MAPS].address,
 		.panorama = stream->panorama ? device->panorama.address : 0,
@@ -191,7 +188,8 @@ typedef struct list_maker {
 	render_formula_programs *choice;  /* NULL: of a 2D pass */
 	uint16_t places[RENDER_BINDINGS]; /* 1 + where a binding is in the list */
 	uint32_t count;                   /* of its bindings */
-	bool depth;                       /* depth alone is drawn */
+	bool depth;                       /* depth alone is drawn, or what is seen with it */
+	bool seen;                        /* the second one */
 	frame_draws draws;
 } list_maker;
 
@@ -254,7 +252,7 @@ static uint64_t list_maps_bits(const list_maker *maker, uint64_t state)
 {
 	bool sides = maker->choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES;
 	return render_maps_program_bits(maker->device->maps[render_state_group(state)].bits, state & RENDER_STATE_EXTRAS,
-	                                sides, maker->depth);
+	                                sides, maker->depth && !maker->seen);
 }
 
 /* Fills in what a run binds. *drawn: false if it is not drawn. */
@@ -273,7 +271,8 @@ static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gp
 		return STILB_OK;
 	}
 	if (from->state & RENDER_STATE_MAPS && (!maker->depth || bits != 0)) {
-		run->set = !maker->depth || bits & RENDER_MAPS_MASK ? device->maps[render_state_group(from->state)].set.id : 0;
+		bool reads = !maker->depth || maker->seen || bits & RENDER_MAPS_MASK;
+		run->set = reads ? device->maps[render_state_group(from->state)].set.id : 0;
 		return list_find_maps(maker, from->state, bits, &run->binding);
 	}
 	uint64_t state = maker->depth ? list_depth_state(from->state) : from->state;
@@ -313,6 +312,7 @@ static stilb_result frame_list(render_device *device, const render_stream *strea
 	                    .list = list,
 	                    .choice = choice,
 	                    .depth = stream->lights.bits & RENDER_LIGHTS_DEPTH,
+	                    .seen = stream->lights.bits & RENDER_LIGHTS_SEEN,
 	                    .draws = draws};
 	bool bind = choice && !maker.depth && device->materials == STILB_RENDER_MATERIALS_BIND;
 	uint64_t materials = device->heaps[RENDER_HEAP_MATERIALS].address;
@@ -369,6 +369,8 @@ static stilb_result frame_end_scene(render_device *device)
 	uint16_t light = main ? main->color : 0;
 	/* Without a number its row is wrong, which the plan will say. */
 	stilb_result result = light != 0 ? frame_stage(device, STILB_RENDER_STAGE_LIGHT, &light) : STILB_OK;
+	if (result == STILB_OK && light != 0 && main->tone == RENDER_TONE_ERROR)
+		result = render_target_compare(device, main, &light);
 	if (result != STILB_OK)
 		return result;
 	render_targets_show(device, light);
@@ -432,7 +434,8 @@ static stilb_gpu_pass frame_row(render_device *device, const render_stream *stre
 /* Counts are added up in all channels but alpha, so that these are not transparent. */
 static bool frame_is_transparent(const stilb_render_view *view)
 {
-	return view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING && view->show != STILB_RENDER_SHOW_OVERDRAW;
+	bool counts = view->show == STILB_RENDER_SHOW_OVERDRAW || render_view_counts(view);
+	return view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING && !counts;
 }
 
 /* The first pass into a target says how the picture shows it. */
@@ -442,30 +445,38 @@ static stilb_result frame_first(render_device *device, const render_stream *stre
 	const stilb_render_view *view = stream->view;
 	if (target->color == 0)
 		return STILB_OK;
-	target->channel = render_view_channel(view);
+	target->data = render_view_is_data(view);
 	target->transparent = frame_is_transparent(view);
-	target->exposure = target->channel > 0 ? 1.0f : exp2f(view->exposure);
-	target->dither = view->dither && target->channel == 0;
+	target->exposure = target->data ? 1.0f : exp2f(view->exposure);
+	target->dither = view->dither && !target->data && view->show != STILB_RENDER_SHOW_ERROR;
 	target->tone = render_view_tone(view);
 	stilb_result result = render_programs_tone(device, target->tone, target->from);
 	return result == STILB_OK && backdrop ? frame_backdrop(device, stream, target) : result;
 }
 
 /* What a scene pass draws into. */
-static void frame_attach(const render_stream *stream, const render_frame_target *target, bool backdrop,
-                         stilb_gpu_pass *row)
+static void frame_attach(const render_stream *stream, render_frame_target *target, bool backdrop, stilb_gpu_pass *row)
 {
 	row->depth = (stilb_gpu_attachment){
 		.image = target->depth, .load = target->drawn ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR, /* to 0: far away */
 	};
-	if (target->color == 0)
+	if (target->color == 0) {
+		uint16_t layer = stream->view->layer;
+		uint64_t *drawn = &target->layers_drawn[layer / 64], bit = UINT64_C(1) << layer % 64;
+		row->depth.layer = layer;
+		row->depth.load = target->from->lasting ? STILB_GPU_LOAD_CLEAR_AREA
+		                  : *drawn & bit        ? STILB_GPU_LOAD_KEEP
+		                                        : STILB_GPU_LOAD_CLEAR;
+		*drawn |= bit;
+		memcpy(row->area, stream->view->area, sizeof row->area);
 		return;
+	}
 	row->color_count = 1;
 	row->color[0] = (stilb_gpu_attachment){
 		.image = target->samples ? target->samples : target->color,
 		.load = target->drawn || backdrop ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR,
 	};
-	if (target->channel == 0)
+	if (!target->data)
 		render_backdrop_clear(stream->view, row->color[0].clear);
 	else if (!target->transparent)
 		row->color[0].clear[3] = 1.0f;
@@ -503,6 +514,15 @@ static void frame_gloss(render_device *device, stilb_gpu_pass *row)
 	row->uses[1] =
 		(stilb_gpu_use){.resource = frame->dfg, .how = STILB_GPU_USE_SAMPLED, .slot = 1, .sampler = device->linear.id};
 	row->uses[2] = (stilb_gpu_use){.resource = frame->light, .how = STILB_GPU_USE_SAMPLED, .slot = 2};
+}
+
+/* The images that programs of a pass read, the first ones of its row. */
+static stilb_result frame_images(render_device *device, const render_stream *stream,
+                                 const render_formula_programs *choice, stilb_gpu_pass *row)
+{
+	if (render_formulas_are_gloss(choice))
+		frame_gloss(device, row);
+	return render_formulas_have_shadows(choice) ? render_shadow_use(device, stream, row) : STILB_OK;
 }
 
 /* The surfaces that the stream's draws have, but for maps, as of render_programs_choose. */
@@ -567,11 +587,11 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 			continue;
 		stilb_gpu_pass row = frame_row(device, stream, list, "");
 		frame_attach(stream, target, backdrop, &row);
-		if (render_formulas_are_gloss(choice))
-			frame_gloss(device, &row);
-		if (through)
+		result = frame_images(device, stream, choice, &row);
+		if (through && result == STILB_OK)
 			result = render_through_use(device, target, row.use_count, &row.uses[row.use_count]);
 		row.use_count += through;
+		render_cells_use(device, offsetof(render_push, view.lists), &row);
 		row_constants(&row, push, sizeof *push);
 		stilb_gpu_plan_pass(device->plan, &row);
 		target->drawn = true;
@@ -579,7 +599,7 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 	return result;
 }
 
-/* Adds the row of a scene pass that draws velocities. */
+/* Adds the row of a scene pass that draws velocities, and what else it leaves of what is seen. */
 static stilb_result frame_velocity(render_device *device, const render_stream *stream, render_frame_target *target,
                                    const render_push *push)
 {
@@ -597,16 +617,20 @@ static stilb_result frame_velocity(render_device *device, const render_stream *s
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " velocity");
-	row.color_count = 1;
-	row.color[0] = (stilb_gpu_attachment){.image = target->velocity, .load = STILB_GPU_LOAD_KEEP};
-	row.depth = (stilb_gpu_attachment){.image = target->velocity_depth,
-	                                   .load = begun ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR};
+	render_velocity_attach(device, stream, begun, target, &row);
 	row_constants(&row, push, sizeof *push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	return STILB_OK;
 }
 
-/* Adds the rows of a scene pass that is drawn again for further lights. choice: of the first ones. */
+/* True if a scene pass is drawn again for further lights. */
+static bool frame_is_multipass(const render_stream *stream)
+{
+	return stream->lights.count > STILB_RENDER_LIGHTS_A_PASS &&
+	       render_added_bits(stream->view, stream->lights.bits) != 0;
+}
+
+/* Adds the rows of what is plain in a scene pass that is drawn again for further lights. choice: of the first ones. */
 static stilb_result frame_multipass(render_device *device, const render_stream *stream, render_formula_programs *choice,
                                     render_frame_target *target, bool backdrop, const render_push *push)
 {
@@ -626,8 +650,9 @@ static stilb_result frame_multipass(render_device *device, const render_stream *
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " further lights");
 	frame_attach(stream, target, backdrop, &row);
-	if (render_formulas_are_gloss(further))
-		frame_gloss(device, &row);
+	result = frame_images(device, stream, further, &row);
+	if (result != STILB_OK)
+		return result;
 	for (uint32_t first = each; first < count && device->draws[list].run_count > 0; first += each) {
 		device->frame.light_rows++;
 		part.view.lights = push->view.lights + first * sizeof(render_light);
@@ -635,13 +660,12 @@ static stilb_result frame_multipass(render_device *device, const render_stream *
 		row_constants(&row, &part, sizeof part);
 		stilb_gpu_plan_pass(device->plan, &row);
 	}
-	return frame_rows(device, stream, FRAME_DRAWS_OTHERS, choice, target, backdrop, push);
+	return STILB_OK;
 }
 
-/* Adds the rows of a scene pass whose lights are deferred: its surfaces, the lights, and the draws that are lit at
- * once. choice: of these. */
-static stilb_result frame_deferred(render_device *device, const render_stream *stream, render_formula_programs *choice,
-                                   render_frame_target *target, bool backdrop, const render_push *push)
+/* Adds the rows of what is plain in a scene pass whose lights are deferred: its surfaces, and the lights. */
+static stilb_result frame_deferred(render_device *device, const render_stream *stream, render_frame_target *target,
+                                   bool backdrop, const render_push *push)
 {
 	render_formula_programs *surfaces;
 	uint32_t bits = render_gbuffer_bits(stream->view, stream->lights.bits);
@@ -655,13 +679,124 @@ static stilb_result frame_deferred(render_device *device, const render_stream *s
 	stilb_gpu_pass row = frame_row(device, stream, list, " surfaces");
 	frame_attach(stream, target, backdrop, &row);
 	render_deferred_attach(device, stream->view, target, &row);
-	if (render_formulas_are_gloss(surfaces))
-		frame_gloss(device, &row);
+	result = frame_images(device, stream, surfaces, &row);
+	if (result != STILB_OK)
+		return result;
 	row_constants(&row, push, sizeof *push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	target->drawn = true;
-	result = render_deferred_lights(device, stream, target, push);
-	return result == STILB_OK ? frame_rows(device, stream, FRAME_DRAWS_OTHERS, choice, target, backdrop, push) : result;
+	return render_deferred_lights(device, stream, target, push);
+}
+
+/* Adds the row that draws depth, or, of a way that keeps surfaces and light apart, also normals, of what is plain. */
+static stilb_result frame_depth(render_device *device, const render_stream *stream, render_frame_target *target,
+                                const render_push *push)
+{
+	bool apart = render_view_way(device, stream->view).apart;
+	uint32_t sides = stream->lights.bits & RENDER_LIGHTS_SIDES, list;
+	render_formula_programs *choice;
+	render_stream laid = *stream;
+	laid.lights.bits = apart ? render_gbuffer_bits(stream->view, stream->lights.bits) : RENDER_LIGHTS_DEPTH | sides;
+	stilb_result result = render_programs_choose(device, &stream->view->shading, laid.lights.bits, stream->kinds,
+	                                             frame_surfaces(stream), &choice);
+	if (result == STILB_OK)
+		result = frame_list(device, &laid, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, choice, &list);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass row = frame_row(device, stream, list, apart ? " surfaces" : " depth");
+	row.depth = (stilb_gpu_attachment){.image = target->depth, .load = STILB_GPU_LOAD_CLEAR};
+	if (apart)
+		render_deferred_attach(device, stream->view, target, &row);
+	row_constants(&row, push, sizeof *push);
+	stilb_gpu_plan_pass(device->plan, &row);
+	return STILB_OK;
+}
+
+/* Adds the rows of what is plain in a scene pass that draws depth first, and what is seen after it. */
+static stilb_result frame_laid(render_device *device, const render_stream *stream, render_frame_target *target,
+                               bool backdrop, const render_push *push)
+{
+	render_formula_programs *seen;
+	uint32_t bits = render_laid_bits(stream->view, stream->lights.bits), list;
+	bool apart = bits & RENDER_LIGHTS_APART, lists = bits & (RENDER_LIGHTS_TILES | RENDER_LIGHTS_INDEXED);
+	stilb_gpu_use tiles;
+	stilb_result result = frame_depth(device, stream, target, push);
+	if (result == STILB_OK && apart)
+		result = render_deferred_lights(device, stream, target, push);
+	if (result == STILB_OK && lists)
+		result = render_tiles_make(device, stream, target, push, &tiles);
+	if (result == STILB_OK)
+		result =
+			render_programs_choose(device, &stream->view->shading, bits, stream->kinds, frame_surfaces(stream), &seen);
+	if (result == STILB_OK)
+		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, seen, &list);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass row = frame_row(device, stream, list, "");
+	frame_attach(stream, target, backdrop, &row);
+	row.depth.load = STILB_GPU_LOAD_KEEP;
+	row.depth.read_only = true;
+	result = frame_images(device, stream, seen, &row);
+	if (result != STILB_OK)
+		return result;
+	if (apart)
+		render_deferred_use(target, row.use_count, &row);
+	if (lists)
+		row.uses[row.use_count++] = tiles;
+	render_cells_use(device, lists ? STILB_GPU_NO_SLOT : offsetof(render_push, view.lists), &row);
+	row_constants(&row, push, sizeof *push);
+	stilb_gpu_plan_pass(device->plan, &row);
+	target->drawn = true;
+	return STILB_OK;
+}
+
+/* Adds the rows of what is plain in a scene pass by its view's way of lighting. */
+static stilb_result frame_plain(render_device *device, const render_stream *stream, render_frame_target *target,
+                                bool backdrop, const render_push *push)
+{
+	const stilb_render_view *view = stream->view;
+	render_way way = target->drawn ? (render_way){0} : render_view_way(device, view);
+	render_formula_programs *choice;
+	if (way.surfaces)
+		return frame_deferred(device, stream, target, backdrop, push);
+	if (way.laid)
+		return frame_laid(device, stream, target, backdrop, push);
+	stilb_result result = render_programs_choose(device, &view->shading, stream->lights.bits, stream->kinds,
+	                                             frame_surfaces(stream), &choice);
+	if (result != STILB_OK)
+		return result;
+	return frame_is_multipass(stream) ? frame_multipass(device, stream, choice, target, backdrop, push)
+	                                  : frame_rows(device, stream, FRAME_DRAWS_PLAIN, choice, target, backdrop, push);
+}
+
+/* Adds the rows of what is plain whose light of the surroundings is apart: all other light, that, and the sum. */
+static stilb_result frame_apart(render_device *device, const render_stream *stream, render_frame_target *target,
+                                bool backdrop, const render_push *push)
+{
+	render_formula_programs *around;
+	render_stream rest = *stream;
+	uint32_t bits = render_around_bits(stream->lights.bits), list;
+	rest.lights.bits = render_unlit_around_bits(stream->lights.bits);
+	stilb_result result = frame_plain(device, &rest, target, backdrop, push);
+	if (result == STILB_OK)
+		result = render_programs_choose(device, &stream->view->shading, bits, stream->kinds, frame_surfaces(stream),
+		                                &around);
+	if (result == STILB_OK)
+		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, around, &list);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass row = frame_row(device, stream, list, " ambient");
+	render_around_attach(device, target, &row);
+	if (render_formulas_are_gloss(around))
+		frame_gloss(device, &row);
+	row_constants(&row, push, sizeof *push);
+	stilb_gpu_plan_pass(device->plan, &row);
+	uint16_t parts[2] = {row.color[0].image, row.color[1].image};
+	bool main = target == render_target_main(device);
+	result = main ? frame_stage(device, STILB_RENDER_STAGE_AMBIENT, &parts[0]) : STILB_OK;
+	if (result == STILB_OK && main)
+		result = frame_stage(device, STILB_RENDER_STAGE_REFLECTION, &parts[1]);
+	return result == STILB_OK ? render_around_add(device, target, parts) : result;
 }
 
 static stilb_result frame_scene(render_device *device, const render_stream *stream)
@@ -669,7 +804,9 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	const stilb_render_view *view = stream->view;
 	render_formula_programs *choice;
 	render_frame_target *target = render_target_get(device, view->target);
-	bool backdrop = !target->drawn && target->color != 0 && render_view_is_lit(view) &&
+	if (target->result != STILB_OK)
+		return target->result;
+	bool backdrop = !target->drawn && target->color != 0 && render_view_is_lit(view) && !render_view_counts(view) &&
 	                render_backdrop_is_drawn(view, stream->panorama);
 	uint32_t surfaces = frame_surfaces(stream);
 	stilb_result result =
@@ -680,21 +817,26 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 		return result;
 	const render_slot *slot = render_slot_now(device);
 	render_push push = {
-		.view = frame_write_view(device, stream, target->width, target->height),
+		.view = frame_write_view(device, stream, view->area[2] > 0 ? view->area[2] : target->width,
+	                             view->area[3] > 0 ? view->area[3] : target->height),
 		.rows = stream->rows ? stream->rows->address : 0,
 		.frame_rows = slot->memory[RENDER_MEMORY_ROWS].address,
 		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
 		.vertices = device->heaps[RENDER_HEAP_VERTICES].address,
 	};
-	if (view->last && target->color != 0)
+	result = render_cells_make(device, stream);
+	if (result == STILB_OK && view->last && target->color != 0)
 		result = frame_velocity(device, stream, target, &push);
 	if (result != STILB_OK)
 		return result;
-	if (stream->lights.count > STILB_RENDER_LIGHTS_A_PASS && render_added_bits(view, stream->lights.bits) != 0)
-		return frame_multipass(device, stream, choice, target, backdrop, &push);
-	return render_view_is_deferred(device, view) && !target->drawn
-	           ? frame_deferred(device, stream, choice, target, backdrop, &push)
-	           : frame_rows(device, stream, FRAME_DRAWS_ALL, choice, target, backdrop, &push);
+	bool apart = !target->drawn && render_view_is_apart(device, view);
+	render_way way = target->drawn ? (render_way){0} : render_view_way(device, view);
+	if (!apart && !way.surfaces && !way.laid && !frame_is_multipass(stream))
+		return frame_rows(device, stream, FRAME_DRAWS_ALL, choice, target, backdrop, &push);
+	result = apart ? frame_apart(device, stream, target, backdrop, &push)
+	               : frame_plain(device, stream, target, backdrop, &push);
+	return result == STILB_OK ? frame_rows(device, stream, FRAME_DRAWS_OTHERS, choice, target, backdrop, &push)
+	                          : result;
 }
 
 static stilb_result frame_2d(render_device *device, const render_stream *stream)
@@ -728,11 +870,6 @@ static stilb_result frame_2d(render_device *device, const render_stream *stream)
 static void frame_black(render_device *device)
 {
 	render_frame *frame = &device->frame;
-	uint32_t number = frame->list_count++;
-	STILB_ASSERT(number < RENDER_MAX_LISTS);
-	device->lists[number].first_run = frame->run_count;
-	device->draws[number] =
-		(stilb_gpu_draws){.commands = render_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer};
 	stilb_gpu_plan_pass(
 		device->plan,
 		&(stilb_gpu_pass){
@@ -740,7 +877,7 @@ static void frame_black(render_device *device)
 			.kind = STILB_GPU_PASS_DRAWS,
 			.color_count = 1,
 			.color = {{.image = frame->picture, .load = STILB_GPU_LOAD_CLEAR, .clear = {0.0f, 0.0f, 0.0f, 1.0f}}},
-			.draws = number,
+			.draws = render_target_nothing(device),
 		});
 	frame->shown = true;
 }
@@ -807,6 +944,8 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 		if (result != STILB_OK || device->gpu->keep_back)
 			stilb_gpu_plan_dropped(device->plan);
 	}
+	if (result != STILB_OK || device->gpu->keep_back)
+		render_cells_forget(device);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_stats stats = stilb_gpu_stats_get(device->gpu);

@@ -27,8 +27,24 @@
 /* The depth by which that was decided, as "depth"; d32_f, one sample a pixel. */
 #define STILB_RENDER_IMAGE_VELOCITY_DEPTH "velocity depth"
 
-/* With lighting DEFERRED, of the surfaces that are lit so (shaders/deferred/gbuffer.glsl), rgba16_u, one sample a
- * pixel; of a target with another name NAME " normal", .... They hold anything where none is.
+/* Of the same surfaces as "velocity", by the same passes, of views with `surfaces`; one sample a pixel. Outputs.
+ *   surface normal  the shading normal, in the world, bent by maps and towards the viewer, and by the program's
+ *                   functions: on the octahedral map, times 0.5, plus 0.5; rg16_u. Of what has a coat that below it
+ *   id              the scene's model + 1; 0: nothing, or what is drawn by hand; r32_ui
+ * Where "velocity depth" is 0 there is none, and both are 0. */
+#define STILB_RENDER_IMAGE_SURFACE_NORMAL "surface normal"
+#define STILB_RENDER_IMAGE_ID "id"
+
+/* Of views with `ambient_apart`, of what can be lit later or in several passes (opaque, without layers or a function of
+ * the program's): what it sends on of the surroundings' light, rgba16_f, one sample a pixel, alpha 1; elsewhere 0. It
+ * is radiance of the surface, and not yet in "color" when it is drawn: a row of its own adds both. Outputs.
+ *   ambient     scattered evenly
+ *   reflection  mirrored by highlights */
+#define STILB_RENDER_IMAGE_AMBIENT "ambient"
+#define STILB_RENDER_IMAGE_REFLECTION "reflection"
+
+/* With lighting DEFERRED and TILED_DEFERRED, of the surfaces that are lit so (shaders/deferred/gbuffer.glsl), rgba16_u,
+ * one sample a pixel; of a target with another name NAME " normal", .... They hold anything where none is.
  *   normal    the shading normal on the octahedral map, x and y; anisotropy; these three times 0.5, plus 0.5; wrap
  *   diffuse   diffuse reflectance, roughness
  *   specular  specular reflectance at normal incidence, 1
@@ -38,12 +54,26 @@
 #define STILB_RENDER_IMAGE_DIFFUSE "diffuse"
 #define STILB_RENDER_IMAGE_SPECULAR "specular"
 
+/* Light on what is lit by PREPASS and PRELIGHT, rgba16_f, before it has the surfaces' colours: radiance that a white
+ * surface would scatter. Behind it PREPASS has the luminance of white highlights, and PRELIGHT, in an image of its own,
+ * their radiance. Of such surfaces "normal" alone is there: that of PRELIGHT has roughness in the place of anisotropy,
+ * that of PREPASS is as with rgba8. */
+#define STILB_RENDER_IMAGE_SCATTERED "scattered"
+#define STILB_RENDER_IMAGE_HIGHLIGHTS "highlights"
+
+/* Radiance of the same scene and camera by the way of lighting that others are measured by, as "color": of a target
+ * with this name, into which another view draws. And of frames that show STILB_RENDER_SHOW_ERROR how far "color" is
+ * from it, by channel, rgba16_f, alpha 1, one sample a pixel; an output. */
+#define STILB_RENDER_IMAGE_REFERENCE "reference"
+#define STILB_RENDER_IMAGE_ERROR "error"
+
+/* Depth as the lights see it, d32_f, layers: see stilb_render_shadows. And what programs read where there is none, a
+ * texel for nobody to look at. */
+#define STILB_RENDER_IMAGE_SHADOW "shadow"
+#define STILB_RENDER_IMAGE_NO_SHADOWS "no shadows"
+
 /* Reserved: nothing writes these yet. */
-#define STILB_RENDER_IMAGE_ID "id"                 /* r32_ui: model + 1; 0: none */
-#define STILB_RENDER_IMAGE_AMBIENT "ambient"       /* rgba16_f: radiance of light from all around */
-#define STILB_RENDER_IMAGE_REFLECTION "reflection" /* rgba16_f: radiance of mirrored light */
-#define STILB_RENDER_IMAGE_SHADOW "shadow"         /* d32_f, layers: depth as the lights see it */
-#define STILB_RENDER_IMAGE_MASK "mask"             /* r8_u, layers: the share of a light that reaches the pixel */
-#define STILB_RENDER_IMAGE_PROBES "probes"         /* rgba16_f, layers: irradiance at the places of probes */
+#define STILB_RENDER_IMAGE_MASK "mask"     /* r8_u, layers: the share of a light that reaches the pixel */
+#define STILB_RENDER_IMAGE_PROBES "probes" /* rgba16_f, layers: irradiance at the places of probes */
 
 #endif

@@ -64,6 +64,11 @@ bool render_formulas_are_velocity(const render_formula_programs *programs)
 	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_VELOCITY;
 }
 
+bool render_formulas_are_seen(const render_formula_programs *programs)
+{
+	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SEEN;
+}
+
 bool render_formulas_are_gbuffer(const render_formula_programs *programs)
 {
 	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_GBUFFER;
@@ -72,8 +77,17 @@ bool render_formulas_are_gbuffer(const render_formula_programs *programs)
 bool render_formulas_are_gloss(const render_formula_programs *programs)
 {
 	uint32_t brdf = programs->formulas[RENDER_FORMULA_BRDF];
-	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_PANORAMA && brdf != SHADE_BRDF_LAMBERT &&
-	       brdf != SHADE_BRDF_WRAPPED;
+	uint32_t lights = programs->formulas[RENDER_FORMULA_LIGHTS];
+	return lights & RENDER_LIGHTS_PANORAMA && (lights & RENDER_LIGHTS_AMBIENT) != RENDER_LIGHTS_DARK &&
+	       brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED;
+}
+
+bool render_formulas_have_shadows(const render_formula_programs *programs)
+{
+	uint32_t bits = programs->formulas[RENDER_FORMULA_LIGHTS];
+	bool images = bits & RENDER_LIGHTS_APART && bits & RENDER_LIGHTS_LAID; /* lit before */
+	return !(bits & (RENDER_LIGHTS_DEPTH | RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_AROUND)) && !images &&
+	       render_lights_channel(bits) == 0;
 }
 
 /* 1 + the channel that they show in the place of light; 0: none. */
@@ -100,6 +114,43 @@ static void program_added(stilb_gpu_program_desc *desc, const render_formula_pro
 	desc->depth = STILB_GPU_COMPARE_GREATER_EQUAL;
 	desc->depth_write = false;
 	desc->blend = STILB_GPU_BLEND_ADD;
+}
+
+/* How programs of surfaces whose depth is there differ. */
+static void program_laid(stilb_gpu_program_desc *desc, const render_formula_programs *choice)
+{
+	if (!(choice->formulas[RENDER_FORMULA_LIGHTS] & (RENDER_LIGHTS_LAID | RENDER_LIGHTS_AROUND)))
+		return;
+	desc->depth = STILB_GPU_COMPARE_GREATER_EQUAL;
+	desc->depth_write = false;
+}
+
+/* How programs of shadow maps differ: a surface that is lit must not be taken to be behind itself. Depth is moved by
+ * what it changes by from a texel to the next, and some steps of its rounding. */
+static void program_shadow(stilb_gpu_program_desc *desc, const render_formula_programs *choice)
+{
+	if (!render_formulas_are_depth(choice) || !(choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SHADOWS))
+		return;
+	desc->depth_bias = -8.0f;
+	desc->depth_bias_slope = -1.0f;
+}
+
+/* How programs of counted lights differ: what they draw is added up, but for surfaces that are lit later. */
+static void program_counted(stilb_gpu_program_desc *desc, const render_formula_programs *choice)
+{
+	if (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_COUNTED && !render_formulas_are_gbuffer(choice))
+		desc->blend = STILB_GPU_BLEND_ADD;
+}
+
+/* True if the choice's programs keep light and surfaces apart (RENDER_LIGHTS_APART). */
+static bool formulas_are_apart(const render_formula_programs *choice)
+{
+	return choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_APART;
+}
+
+static bool formulas_are_around(const render_formula_programs *choice)
+{
+	return choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_AROUND;
 }
 
 /* The shader of draws into depth, which without velocities most need not. */
@@ -133,15 +184,24 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 		.name = surface_names[surface],
 		.vertex = render_mesh_vertex[device->packed][surface],
 		.fragment = depth ? program_depth_code(detail, surface, velocity) : render_mesh_fragment[gloss][surface],
-		.samplers = gloss ? 3 : 0,
+		.samplers = (uint8_t)(3 * gloss + render_formulas_have_shadows(choice)),
 		.set_items = surface != RENDER_SURFACE_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER, /* reversed: near is 1 */
 		.depth_write = true,
 		.cull_back = !sides && surface != RENDER_SURFACE_IMPOSTOR,
 	};
 	program_added(&desc, choice);
-	if (render_formulas_are_gbuffer(choice))
-		desc.fragment = render_gbuffer_mesh_fragment[gloss][surface];
+	program_laid(&desc, choice);
+	program_shadow(&desc, choice);
+	program_counted(&desc, choice);
+	bool gbuffer = render_formulas_are_gbuffer(choice), apart = formulas_are_apart(choice);
+	if (gbuffer || apart)
+		desc.fragment = gbuffer && apart ? render_slim_mesh_fragment[surface]
+		                : gbuffer        ? render_gbuffer_mesh_fragment[gloss][surface]
+		                                 : render_images_mesh_fragment[gloss][surface];
+	desc.samplers += apart && !gbuffer ? RENDER_APART_IMAGES : 0;
+	if (render_formulas_are_seen(choice) || formulas_are_around(choice))
+		desc.fragment = depth ? render_seen_mesh_fragment[surface] : render_around_mesh_fragment[gloss][surface];
 	if (channel > 0) {
 		program_channel(&desc, channel);
 		desc.fragment = render_channel_mesh_fragment[surface];
@@ -173,7 +233,8 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	bool depth = render_formulas_are_depth(choice), extras = bits & RENDER_MAPS_EXTRAS;
 	bool velocity = render_formulas_are_velocity(choice);
 	bool layers = bits & RENDER_MAPS_LAYERS && (!depth || function);
-	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
+	bool seen = render_formulas_are_seen(choice);
+	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || seen || bits & RENDER_MAPS_MASK;
 	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1, gloss = render_formulas_are_gloss(choice);
 	render_surface inputs = reads ? RENDER_SURFACE_TEXTURE : RENDER_SURFACE_PLAIN;
 	uint32_t channel = formulas_channel(choice);
@@ -187,7 +248,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	                : !depth ? render_maps_fragment[layers][gloss][coverage][extras]
 	                : !reads ? program_depth_code(detail, inputs, velocity)
 	                         : render_maps_depth[velocity][extras],
-		.samplers = (uint8_t)(3 * gloss + through),
+		.samplers = (uint8_t)(3 * gloss + render_formulas_have_shadows(choice) + through),
 		.set_items = !reads                      ? 0
 	                 : bits & RENDER_MAPS_LAYERS ? RENDER_MAPS
 	                                             : RENDER_MAPS_PLAIN,
@@ -197,8 +258,17 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 		.cull_back = !sides || bits & RENDER_MAPS_ONE_SIDED,
 	};
 	program_added(&desc, choice);
-	if (render_formulas_are_gbuffer(choice))
-		desc.fragment = render_gbuffer_maps_fragment[gloss][extras];
+	program_laid(&desc, choice);
+	program_shadow(&desc, choice);
+	program_counted(&desc, choice);
+	bool gbuffer = render_formulas_are_gbuffer(choice), apart = formulas_are_apart(choice);
+	if (gbuffer || apart)
+		desc.fragment = gbuffer && apart ? render_slim_maps_fragment[extras]
+		                : gbuffer        ? render_gbuffer_maps_fragment[gloss][extras]
+		                                 : render_images_maps_fragment[gloss][extras];
+	desc.samplers += apart && !gbuffer ? RENDER_APART_IMAGES : 0;
+	if (seen || formulas_are_around(choice))
+		desc.fragment = seen ? render_seen_maps_fragment[extras] : render_around_maps_fragment[gloss][extras];
 	if (channel > 0) {
 		program_channel(&desc, channel);
 		desc.vertex = render_channel_vertex[device->packed][RENDER_CHANNEL_MAPS + extras];
@@ -206,6 +276,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	}
 	if (function && reads) {
 		render_function_kind kind = channel > 0 ? RENDER_FUNCTION_CHANNEL
+		                            : seen      ? RENDER_FUNCTION_SEEN
 		                            : velocity  ? RENDER_FUNCTION_VELOCITY
 		                            : depth     ? RENDER_FUNCTION_DEPTH
 		                            : through   ? RENDER_FUNCTION_THROUGH
@@ -276,6 +347,31 @@ stilb_result render_programs_velocity(render_device *device)
 	stilb_gpu_program *program = &device->programs.velocity_far;
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = program_screen(device, "velocity far away", render_velocity_far_fragment, NULL, 0, program);
+	pthread_mutex_unlock(&device->programs.lock);
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, &color, 1, STILB_GPU_NONE, 1) : result;
+}
+
+stilb_result render_programs_around(render_device *device)
+{
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	stilb_gpu_program *program = &device->programs.around;
+	stilb_gpu_program_desc desc = {.name = "surroundings' light added",
+	                               .fragment = render_around_fragment,
+	                               .samplers = 2,
+	                               .blend = STILB_GPU_BLEND_ADD};
+	pthread_mutex_lock(&device->programs.lock);
+	stilb_result result = program_once(device, &desc, program);
+	pthread_mutex_unlock(&device->programs.lock);
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, &color, 1, STILB_GPU_NONE, 1) : result;
+}
+
+stilb_result render_programs_difference(render_device *device)
+{
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	stilb_gpu_program *program = &device->programs.difference;
+	stilb_gpu_program_desc desc = {.name = "difference", .fragment = render_difference_fragment, .samplers = 2};
+	pthread_mutex_lock(&device->programs.lock);
+	stilb_result result = program_once(device, &desc, program);
 	pthread_mutex_unlock(&device->programs.lock);
 	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, &color, 1, STILB_GPU_NONE, 1) : result;
 }
@@ -351,9 +447,18 @@ static stilb_result choice_compile(render_device *device, const render_formula_p
                                    stilb_gpu_program program)
 {
 	bool depth = render_formulas_are_depth(choice), velocity = render_formulas_are_velocity(choice);
-	if (render_formulas_are_gbuffer(choice))
-		return stilb_gpu_program_prepare(device->gpu, program, formulas_gbuffer_formats(choice),
-		                                 1 + RENDER_GBUFFER_IMAGES, STILB_GPU_D32_F, 1);
+	if (render_formulas_are_gbuffer(choice)) {
+		const stilb_gpu_format *formats = formulas_gbuffer_formats(choice);
+		bool slim = formulas_are_apart(choice);
+		return stilb_gpu_program_prepare(device->gpu, program, formats + slim, slim ? 1 : 1 + RENDER_GBUFFER_IMAGES,
+		                                 STILB_GPU_D32_F, 1);
+	}
+	if (render_formulas_are_seen(choice) || formulas_are_around(choice)) {
+		static const stilb_gpu_format seen[] = {STILB_GPU_RG16_F, STILB_GPU_RG16_U, STILB_GPU_R32_UI};
+		static const stilb_gpu_format around[] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA16_F};
+		return stilb_gpu_program_prepare(device->gpu, program, depth ? seen : around, depth ? 3 : 2, STILB_GPU_D32_F,
+		                                 1);
+	}
 	stilb_gpu_format color = velocity ? STILB_GPU_RG16_F : STILB_GPU_RGBA16_F;
 	return stilb_gpu_program_prepare(device->gpu, program, &color, depth && !velocity ? 0 : 1, STILB_GPU_D32_F,
 	                                 depth ? 1 : device->samples);
@@ -430,19 +535,101 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 	return result;
 }
 
-stilb_result render_programs_deferred(render_device *device, render_formula_programs *choice)
+/* Makes what draws bodies around lights. The caller holds the lock. */
+static stilb_result program_volumes(render_device *device, render_formula_programs *choice,
+                                    const stilb_gpu_program_desc *deferred)
 {
-	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	render_programs *programs = &device->programs;
+	stilb_gpu_program_desc depth = {
+		.name = "light volumes depth", .fragment = render_volume_depth_fragment, .samplers = 1, .depth_write = true};
+	stilb_gpu_program_desc count = {.name = "light volumes",
+	                                .vertex = render_volume_vertex,
+	                                .samplers = deferred->samplers,
+	                                .depth = STILB_GPU_COMPARE_GREATER,
+	                                .stencil = STILB_GPU_STENCIL_COUNT};
+	stilb_gpu_program_desc lit = *deferred;
+	lit.vertex = render_volume_vertex;
+	lit.stencil = STILB_GPU_STENCIL_COUNTED;
+	stilb_result result = program_once(device, &depth, &programs->volume_depth);
+	if (result == STILB_OK)
+		result = program_once(device, &count, &programs->volume_count[formulas_are_apart(choice)]);
+	return result == STILB_OK ? program_once(device, &lit, &choice->volumes) : result;
+}
+
+stilb_result render_programs_deferred(render_device *device, render_formula_programs *choice, bool volumes)
+{
+	static const stilb_gpu_format colors[RENDER_APART_IMAGES] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA16_F};
+	bool apart = formulas_are_apart(choice);
+	uint32_t count = render_deferred_colors(choice->formulas[RENDER_FORMULA_LIGHTS]);
 	stilb_gpu_program_desc desc = {.name = "deferred lights",
-	                               .fragment = render_deferred_fragment,
-	                               .samplers = 1 + RENDER_GBUFFER_IMAGES,
+	                               .fragment = render_deferred_fragment[apart],
+	                               .samplers = apart ? 3 : 2 + RENDER_GBUFFER_IMAGES, /* the last: shadows */
 	                               .blend = STILB_GPU_BLEND_ADD};
 	program_formulas(device, choice, 0, RENDER_DRAWN_ALL, &desc);
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = program_once(device, &desc, &choice->deferred);
+	if (result == STILB_OK && volumes)
+		result = program_volumes(device, choice, &desc);
 	pthread_mutex_unlock(&device->programs.lock);
-	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, choice->deferred, &color, 1, STILB_GPU_NONE, 1)
-	                          : result;
+	if (result == STILB_OK && volumes)
+		result = stilb_gpu_program_prepare(device->gpu, device->programs.volume_depth, NULL, 0, STILB_GPU_D32_F_S8, 1);
+	if (result == STILB_OK && volumes)
+		result = stilb_gpu_program_prepare(device->gpu, device->programs.volume_count[apart], colors, count,
+		                                   STILB_GPU_D32_F_S8, 1);
+	if (result == STILB_OK && volumes)
+		result = stilb_gpu_program_prepare(device->gpu, choice->volumes, colors, count, STILB_GPU_D32_F_S8, 1);
+	return result == STILB_OK
+	           ? stilb_gpu_program_prepare(device->gpu, choice->deferred, colors, count, STILB_GPU_NONE, 1)
+	           : result;
+}
+
+stilb_result render_programs_cells(render_device *device)
+{
+	static const char *const names[RENDER_CELLS_PASSES] = {"count light lists", "place light lists",
+	                                                       "fill light lists"};
+	stilb_result result = STILB_OK;
+	pthread_mutex_lock(&device->programs.lock);
+	for (int pass = 0; pass < RENDER_CELLS_PASSES && result == STILB_OK; pass++) {
+		stilb_gpu_program_desc desc = {.name = names[pass], .compute = render_cells_compute[pass]};
+		result = program_once(device, &desc, &device->programs.cells[pass]);
+	}
+	pthread_mutex_unlock(&device->programs.lock);
+	for (int pass = 0; pass < RENDER_CELLS_PASSES && result == STILB_OK; pass++)
+		result = stilb_gpu_program_prepare(device->gpu, device->programs.cells[pass], NULL, 0, STILB_GPU_NONE, 1);
+	return result;
+}
+
+stilb_result render_programs_tiles(render_device *device, const stilb_render_shading *shading, render_tiles kind,
+                                   uint32_t bits, stilb_gpu_program *program)
+{
+	static const char *const names[RENDER_TILES_KINDS] = {"tiles", "tiles with normals", "tiles with gloss",
+	                                                      "light indices"};
+	static const uint8_t samplers[RENDER_TILES_KINDS] = {1, 2, 3, 1};
+	bool narrow = samplers[kind] > 1 && bits & RENDER_LIGHTS_GBUFFER8;
+	render_formula_programs *choice;
+	stilb_gpu_program_desc desc = {
+		.name = names[kind], .compute = render_tiles_compute[kind], .samplers = samplers[kind]};
+	STILB_ASSERT((bits & ~RENDER_LIGHTS_GBUFFER8) == 0);
+	stilb_result result = render_programs_choose(device, shading, bits, 0, 0, &choice);
+	if (result != STILB_OK)
+		return result;
+	for (uint32_t f = 0; f < RENDER_FORMULA_LIGHTS && kind == RENDER_TILES_GLOSS; f++)
+		program_constant(&desc, 2 + f, choice->formulas[f]);
+	if (samplers[kind] > 1)
+		program_constant(&desc, 6, bits);
+	stilb_gpu_program *made = kind == RENDER_TILES_GLOSS ? &choice->gloss : &device->programs.tiles[kind][narrow];
+	pthread_mutex_lock(&device->programs.lock);
+	result = program_once(device, &desc, made);
+	*program = *made;
+	pthread_mutex_unlock(&device->programs.lock);
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, NULL, 0, STILB_GPU_NONE, 1) : result;
+}
+
+stilb_result render_programs_tiles_of(render_device *device, const stilb_render_view *view, uint32_t light_bits,
+                                      stilb_gpu_program *program)
+{
+	uint32_t bits = render_deferred_bits(view, light_bits) & RENDER_LIGHTS_GBUFFER8;
+	return render_programs_tiles(device, &view->shading, render_view_tiles(device, view), bits, program);
 }
 
 /* Finds the program of a key among the choice's, or makes it. */
@@ -518,7 +705,8 @@ static stilb_result prepare_maps(render_device *device, render_formula_programs 
 /* True if only surfaces of render_maps_are_plain are drawn with them. */
 static bool formulas_are_of_some(const render_formula_programs *choice)
 {
-	return choice->formulas[RENDER_FORMULA_LIGHTS] & (RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_ADDED);
+	return choice->formulas[RENDER_FORMULA_LIGHTS] &
+	       (RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_ADDED | RENDER_LIGHTS_LAID | RENDER_LIGHTS_AROUND);
 }
 
 /* Makes the programs of all kinds of maps that draws of the view may have, on meshes with extras and without. */
@@ -529,7 +717,8 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 	stilb_result result = STILB_OK;
 	for (uint32_t m = 0; m < 2 * maps->count && result == STILB_OK; m++) {
 		bool extras = m % 2 == 1;
-		uint64_t bits = render_maps_program_bits(maps->bits[m / 2], extras, view->both_sides, depth);
+		bool depth_alone = depth && !render_formulas_are_seen(choice);
+		uint64_t bits = render_maps_program_bits(maps->bits[m / 2], extras, view->both_sides, depth_alone);
 		if (!(extras ? maps->extras : maps->plain) || (formulas_are_of_some(choice) && !render_maps_are_plain(bits)))
 			continue;
 		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
@@ -540,26 +729,54 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 	return result;
 }
 
-/* Makes what deferred lighting needs besides the programs of a choice. */
-static stilb_result prepare_deferred(render_device *device, const stilb_render_view *view,
-                                     render_formula_programs *choice, uint32_t kinds, uint32_t surfaces,
-                                     const render_known_maps *maps)
+/* Makes the programs that draw a view's surfaces with these bits. */
+static stilb_result prepare_surfaces(render_device *device, const stilb_render_view *view, uint32_t bits,
+                                     uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
 {
-	uint32_t light_bits = choice->formulas[RENDER_FORMULA_LIGHTS];
-	render_formula_programs *gbuffer, *lights;
-	stilb_result result = render_programs_choose(device, &view->shading, render_gbuffer_bits(view, light_bits), kinds,
-	                                             surfaces, &gbuffer);
-	if (result == STILB_OK)
-		result = prepare_all_maps(device, view, gbuffer, kinds, maps);
-	if (result == STILB_OK)
-		result = render_programs_choose(device, &view->shading, render_deferred_bits(view, light_bits), 0, 0, &lights);
-	return result == STILB_OK ? render_programs_deferred(device, lights) : result;
+	render_formula_programs *choice;
+	stilb_result result = render_programs_choose(device, &view->shading, bits, kinds, surfaces, &choice);
+	return result == STILB_OK ? prepare_all_maps(device, view, choice, kinds, maps) : result;
+}
+
+/* Makes what draws the surroundings' light apart, and all other light of what is plain. */
+static stilb_result prepare_around(render_device *device, const stilb_render_view *view, uint32_t light_bits,
+                                   uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
+{
+	uint32_t around = render_around_bits(light_bits), rest = render_unlit_around_bits(light_bits);
+	stilb_result result = prepare_surfaces(device, view, around, kinds, surfaces, maps);
+	if (result == STILB_OK && !render_view_way(device, view).surfaces && !render_view_way(device, view).laid)
+		result = prepare_surfaces(device, view, rest, kinds, surfaces, maps);
+	return result == STILB_OK ? render_programs_around(device) : result;
+}
+
+/* Makes what a view's way of lighting needs besides the programs for light_bits. */
+static stilb_result prepare_way(render_device *device, const stilb_render_view *view, uint32_t light_bits,
+                                uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
+{
+	render_way way = render_view_way(device, view);
+	uint32_t depth = RENDER_LIGHTS_DEPTH | (light_bits & RENDER_LIGHTS_SIDES);
+	uint32_t first = way.surfaces || way.apart ? render_gbuffer_bits(view, light_bits) : way.laid ? depth : 0;
+	uint32_t added = render_added_bits(view, light_bits);
+	uint32_t again = way.laid ? render_laid_bits(view, light_bits) : added;
+	stilb_result result = first != 0 ? prepare_surfaces(device, view, first, kinds, surfaces, maps) : STILB_OK;
+	if (result == STILB_OK && again != 0)
+		result = prepare_surfaces(device, view, again, kinds, surfaces, maps);
+	if (result == STILB_OK && light_bits & RENDER_LIGHTS_LISTS && (way.tiles || way.indexed)) {
+		stilb_gpu_program tiles;
+		result = render_programs_tiles_of(device, view, light_bits, &tiles);
+	}
+	if (result != STILB_OK || !(way.surfaces || way.apart))
+		return result;
+	render_formula_programs *lights;
+	result = render_programs_choose(device, &view->shading, render_deferred_bits(view, light_bits), 0, 0, &lights);
+	bool volumes = render_view_has_volumes(device, view);
+	return result == STILB_OK ? render_programs_deferred(device, lights, volumes) : result;
 }
 
 stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits,
                                    const render_known_maps *maps)
 {
-	render_formula_programs *choice, *further;
+	render_formula_programs *choice;
 	uint32_t kinds = render_view_kinds(view), surfaces = 1u << RENDER_SURFACE_PLAIN | 1u << RENDER_SURFACE_TEXTURE;
 	bool drawn = view->impostors && view->detail.mode != STILB_RENDER_DETAIL_OFF;
 	if (drawn && view->show != STILB_RENDER_SHOW_LEVELS && view->detail.mode != STILB_RENDER_DETAIL_POP)
@@ -570,13 +787,15 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		result = prepare_all_maps(device, view, choice, kinds, maps);
 	if (result == STILB_OK && render_formulas_are_velocity(choice))
 		result = render_programs_velocity(device);
-	if (result == STILB_OK && render_view_is_deferred(device, view) && !render_formulas_are_depth(choice))
-		result = prepare_deferred(device, view, choice, kinds, surfaces, maps);
-	uint32_t added = render_added_bits(view, light_bits);
-	if (result == STILB_OK && added != 0)
-		result = render_programs_choose(device, &view->shading, added, kinds, surfaces, &further);
-	if (result == STILB_OK && added != 0)
-		result = prepare_all_maps(device, view, further, kinds, maps);
+	bool compute = view->light_lists == STILB_RENDER_LIGHT_LISTS_COMPUTE && light_bits & RENDER_LIGHTS_LISTS;
+	if (result == STILB_OK && compute)
+		result = render_programs_cells(device);
+	bool apart = render_view_is_apart(device, view) && !render_formulas_are_depth(choice);
+	if (result == STILB_OK && apart)
+		result = prepare_around(device, view, light_bits, kinds, surfaces, maps);
+	if (result == STILB_OK && !render_formulas_are_depth(choice))
+		result =
+			prepare_way(device, view, apart ? render_unlit_around_bits(light_bits) : light_bits, kinds, surfaces, maps);
 	if (result != STILB_OK || render_formulas_are_depth(choice))
 		return result;
 	/* Of surroundings with a panorama sky and ground are shown until that is made. */
@@ -585,6 +804,8 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 	if (result == STILB_OK && view->backdrop.kind == STILB_SCENE_BACKDROP_SURROUNDINGS &&
 	    render_panorama_is_good(&view->surroundings.panorama))
 		result = render_programs_backdrop(device, RENDER_BACKDROP_PANORAMA);
+	if (result == STILB_OK && view->show == STILB_RENDER_SHOW_ERROR)
+		result = render_programs_difference(device);
 	/* Both: which one frames need may change with the size and the cameras beside. */
 	if (result == STILB_OK)
 		result = render_programs_tone(device, render_view_tone(view), false);

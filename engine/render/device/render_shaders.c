@@ -146,6 +146,129 @@ static const uint32_t maps_extras_gloss_gbuffer_frag[] =
 static const uint32_t deferred_frag[] =
 #include "deferred.frag.inc"
 	;
+static const uint32_t mesh_slim_frag[] =
+#include "mesh_slim.frag.inc"
+	;
+static const uint32_t mesh_texture_slim_frag[] =
+#include "mesh_texture_slim.frag.inc"
+	;
+static const uint32_t impostor_slim_frag[] =
+#include "impostor_slim.frag.inc"
+	;
+static const uint32_t maps_slim_frag[] =
+#include "maps_slim.frag.inc"
+	;
+static const uint32_t maps_extras_slim_frag[] =
+#include "maps_extras_slim.frag.inc"
+	;
+static const uint32_t mesh_images_frag[] =
+#include "mesh_images.frag.inc"
+	;
+static const uint32_t mesh_texture_images_frag[] =
+#include "mesh_texture_images.frag.inc"
+	;
+static const uint32_t mesh_gloss_images_frag[] =
+#include "mesh_gloss_images.frag.inc"
+	;
+static const uint32_t mesh_texture_gloss_images_frag[] =
+#include "mesh_texture_gloss_images.frag.inc"
+	;
+static const uint32_t impostor_images_frag[] =
+#include "impostor_images.frag.inc"
+	;
+static const uint32_t impostor_gloss_images_frag[] =
+#include "impostor_gloss_images.frag.inc"
+	;
+static const uint32_t maps_images_frag[] =
+#include "maps_images.frag.inc"
+	;
+static const uint32_t maps_extras_images_frag[] =
+#include "maps_extras_images.frag.inc"
+	;
+static const uint32_t maps_gloss_images_frag[] =
+#include "maps_gloss_images.frag.inc"
+	;
+static const uint32_t maps_extras_gloss_images_frag[] =
+#include "maps_extras_gloss_images.frag.inc"
+	;
+static const uint32_t deferred_apart_frag[] =
+#include "deferred_apart.frag.inc"
+	;
+static const uint32_t cells_comp[] =
+#include "cells.comp.inc"
+	;
+static const uint32_t cells_fill_comp[] =
+#include "cells_fill.comp.inc"
+	;
+static const uint32_t cells_sum_comp[] =
+#include "cells_sum.comp.inc"
+	;
+static const uint32_t mesh_around_frag[] =
+#include "mesh_around.frag.inc"
+	;
+static const uint32_t mesh_texture_around_frag[] =
+#include "mesh_texture_around.frag.inc"
+	;
+static const uint32_t impostor_around_frag[] =
+#include "impostor_around.frag.inc"
+	;
+static const uint32_t maps_around_frag[] =
+#include "maps_around.frag.inc"
+	;
+static const uint32_t maps_extras_around_frag[] =
+#include "maps_extras_around.frag.inc"
+	;
+static const uint32_t mesh_gloss_around_frag[] =
+#include "mesh_gloss_around.frag.inc"
+	;
+static const uint32_t mesh_texture_gloss_around_frag[] =
+#include "mesh_texture_gloss_around.frag.inc"
+	;
+static const uint32_t impostor_gloss_around_frag[] =
+#include "impostor_gloss_around.frag.inc"
+	;
+static const uint32_t maps_gloss_around_frag[] =
+#include "maps_gloss_around.frag.inc"
+	;
+static const uint32_t maps_extras_gloss_around_frag[] =
+#include "maps_extras_gloss_around.frag.inc"
+	;
+static const uint32_t around_frag[] =
+#include "around.frag.inc"
+	;
+static const uint32_t difference_frag[] =
+#include "difference.frag.inc"
+	;
+static const uint32_t mesh_seen_frag[] =
+#include "mesh_seen.frag.inc"
+	;
+static const uint32_t impostor_seen_frag[] =
+#include "impostor_seen.frag.inc"
+	;
+static const uint32_t maps_seen_frag[] =
+#include "maps_seen.frag.inc"
+	;
+static const uint32_t maps_seen_extras_frag[] =
+#include "maps_seen_extras.frag.inc"
+	;
+static const uint32_t tiles_comp[] =
+#include "tiles.comp.inc"
+	;
+static const uint32_t tiles_normals_comp[] =
+#include "tiles_normals.comp.inc"
+	;
+static const uint32_t tiles_gloss_comp[] =
+#include "tiles_gloss.comp.inc"
+	;
+static const uint32_t indices_comp[] =
+#include "indices.comp.inc"
+	;
+static const uint32_t volume_vert[] =
+#include "volume.vert.inc"
+	;
+static const uint32_t volume_depth_frag[] =
+#include "volume_depth.frag.inc"
+	;
 static const uint32_t behind_frag[] =
 #include "behind.frag.inc"
 	;
@@ -389,7 +512,66 @@ const stilb_gpu_shader render_gbuffer_maps_fragment[2][2] = {
 	{SHADER(maps_gbuffer_frag), SHADER(maps_extras_gbuffer_frag)},
 	{SHADER(maps_gloss_gbuffer_frag), SHADER(maps_extras_gloss_gbuffer_frag)},
 };
-const stilb_gpu_shader render_deferred_fragment = SHADER(deferred_frag);
+const stilb_gpu_shader render_slim_mesh_fragment[RENDER_SURFACES] = {
+	[RENDER_SURFACE_PLAIN] = SHADER(mesh_slim_frag),
+	[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_slim_frag),
+	[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_slim_frag),
+};
+const stilb_gpu_shader render_slim_maps_fragment[2] = {SHADER(maps_slim_frag), SHADER(maps_extras_slim_frag)};
+const stilb_gpu_shader render_images_mesh_fragment[2][RENDER_SURFACES] = {
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_images_frag),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_images_frag),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_images_frag),
+	},
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_gloss_images_frag),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_gloss_images_frag),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_gloss_images_frag),
+	},
+};
+const stilb_gpu_shader render_images_maps_fragment[2][2] = {
+	{SHADER(maps_images_frag), SHADER(maps_extras_images_frag)},
+	{SHADER(maps_gloss_images_frag), SHADER(maps_extras_gloss_images_frag)},
+};
+const stilb_gpu_shader render_around_mesh_fragment[2][RENDER_SURFACES] = {
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_around_frag),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_around_frag),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_around_frag),
+	},
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_gloss_around_frag),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_gloss_around_frag),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_gloss_around_frag),
+	},
+};
+const stilb_gpu_shader render_around_maps_fragment[2][2] = {
+	{SHADER(maps_around_frag), SHADER(maps_extras_around_frag)},
+	{SHADER(maps_gloss_around_frag), SHADER(maps_extras_gloss_around_frag)},
+};
+const stilb_gpu_shader render_around_fragment = SHADER(around_frag);
+const stilb_gpu_shader render_difference_fragment = SHADER(difference_frag);
+const stilb_gpu_shader render_seen_mesh_fragment[RENDER_SURFACES] = {
+	[RENDER_SURFACE_PLAIN] = SHADER(mesh_seen_frag),
+	[RENDER_SURFACE_TEXTURE] = SHADER(mesh_seen_frag),
+	[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_seen_frag),
+};
+const stilb_gpu_shader render_seen_maps_fragment[2] = {SHADER(maps_seen_frag), SHADER(maps_seen_extras_frag)};
+const stilb_gpu_shader render_deferred_fragment[2] = {SHADER(deferred_frag), SHADER(deferred_apart_frag)};
+const stilb_gpu_shader render_cells_compute[RENDER_CELLS_PASSES] = {
+	[RENDER_CELLS_COUNT] = SHADER(cells_comp),
+	[RENDER_CELLS_SUM] = SHADER(cells_sum_comp),
+	[RENDER_CELLS_FILL] = SHADER(cells_fill_comp),
+};
+const stilb_gpu_shader render_tiles_compute[RENDER_TILES_KINDS] = {
+	[RENDER_TILES_DEPTH] = SHADER(tiles_comp),
+	[RENDER_TILES_NORMALS] = SHADER(tiles_normals_comp),
+	[RENDER_TILES_GLOSS] = SHADER(tiles_gloss_comp),
+	[RENDER_TILES_INDICES] = SHADER(indices_comp),
+};
+const stilb_gpu_shader render_volume_vertex = SHADER(volume_vert);
+const stilb_gpu_shader render_volume_depth_fragment = SHADER(volume_depth_frag);
 const stilb_gpu_shader render_behind_fragment[2] = {SHADER(behind_frag), SHADER(behind_samples_frag)};
 const stilb_gpu_shader render_behind_half_fragment = SHADER(behind_half_frag);
 const stilb_gpu_shader render_channel_vertex[2][RENDER_CHANNEL_VERTICES] = {

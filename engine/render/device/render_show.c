@@ -29,13 +29,19 @@ static uint32_t show_channels(stilb_gpu_format format)
 	return two || strcmp(name, "bc5_u") == 0 ? 2 : one || strcmp(name, "bc4_u") == 0 ? 1 : 4;
 }
 
+/* True of an image that a program can read. */
+static bool show_can(const stilb_gpu_extent *extent)
+{
+	return extent->format != STILB_GPU_NONE && !stilb_gpu_format_has_stencil(extent->format);
+}
+
 /* Sets a message that names the images of the frame so far. */
 static stilb_result show_unknown(const render_device *device, const stilb_render_shown *shown)
 {
 	char names[512] = "";
 	size_t used = 0;
 	for (uint32_t r = 1; r <= stilb_gpu_plan_resources(device->plan); r++) {
-		bool image = stilb_gpu_plan_extent(device->plan, (uint16_t)r)->format != STILB_GPU_NONE;
+		bool image = show_can(stilb_gpu_plan_extent(device->plan, (uint16_t)r));
 		const char *name = stilb_gpu_plan_name(device->plan, (uint16_t)r);
 		if (image && used + strlen(name) + 3 < sizeof names)
 			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "", name);
@@ -76,7 +82,7 @@ static stilb_result show_program(render_device *device, const stilb_gpu_extent *
 stilb_result render_show_image(render_device *device, const stilb_render_shown *shown)
 {
 	uint16_t image = stilb_gpu_plan_find(device->plan, shown->name);
-	if (image == 0)
+	if (image == 0 || !show_can(stilb_gpu_plan_extent(device->plan, image)))
 		return shown->optional ? STILB_OK : show_unknown(device, shown);
 	stilb_gpu_extent extent = *stilb_gpu_plan_extent(device->plan, image);
 	stilb_gpu_program program;

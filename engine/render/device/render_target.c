@@ -14,10 +14,18 @@ static bool target_is_main(const stilb_render_target *target)
 	       (target->kind == STILB_RENDER_TARGET_LIGHT && strcmp(target->name, STILB_RENDER_IMAGE_COLOR) == 0);
 }
 
+void render_target_name(const render_frame_target *target, const char *what, char name[STILB_GPU_MAX_NAME + 1])
+{
+	bool main = target_is_main(target->from);
+	snprintf(name, STILB_GPU_MAX_NAME + 1, "%s%s%s", main ? "" : target->from->name, main ? "" : " ", what);
+}
+
 /* An image of a target. what: what it is, behind the target's name; "": nothing. */
 static uint16_t target_image(render_device *device, const render_frame_target *target, const char *name,
                              const char *what, stilb_gpu_format format, uint32_t samples, bool output)
 {
+	bool array = target->from && target->from->kind == STILB_RENDER_TARGET_DEPTH;
+	uint16_t layers = array ? target->from->layers : 0;
 	char whole[STILB_GPU_MAX_NAME + 1];
 	if (what[0] != '\0') {
 		snprintf(whole, sizeof whole, "%s %s", name, what);
@@ -28,14 +36,52 @@ static uint16_t target_image(render_device *device, const render_frame_target *t
 	                                                                      .width = target->width,
 	                                                                      .height = target->height,
 	                                                                      .samples = (uint8_t)samples,
+	                                                                      .layers = layers,
 	                                                                      .output = output});
+}
+
+/* The image of a lasting target. */
+static uint16_t target_lasting(render_device *device, render_frame_target *target)
+{
+	const stilb_render_target *from = target->from;
+	stilb_gpu_extent extent = {.format = STILB_GPU_D32_F,
+	                           .width = from->width,
+	                           .height = from->height,
+	                           .depth = 1,
+	                           .layers = from->layers > 0 ? from->layers : 1,
+	                           .mips = 1,
+	                           .samples = 1,
+	                           .uses = 1u << STILB_GPU_USE_SAMPLED | STILB_GPU_EXTENT_ATTACHMENT};
+	const stilb_gpu_extent *last = &device->lasting_extent;
+	if (device->lasting.id == 0 || extent.width != last->width || extent.height != last->height ||
+	    extent.layers != last->layers) {
+		stilb_gpu_image_desc desc = {.name = from->name, .extent = extent};
+		if (device->lasting.id != 0)
+			stilb_gpu_image_destroy(device->gpu, device->lasting);
+		device->lasting = (stilb_gpu_image){0};
+		device->lasting_extent = extent;
+		target->result = stilb_gpu_image_create(device->gpu, &desc, &device->lasting);
+		if (target->result != STILB_OK) {
+			device->lasting = (stilb_gpu_image){0};
+			return 0;
+		}
+	}
+	stilb_gpu_plan_image_row row = {.name = from->name,
+	                                .format = extent.format,
+	                                .width = extent.width,
+	                                .height = extent.height,
+	                                .layers = extent.layers,
+	                                .output = from->output,
+	                                .owned = device->lasting.id};
+	return stilb_gpu_plan_image(device->plan, &row);
 }
 
 static void target_images(render_device *device, render_frame_target *target)
 {
 	const stilb_render_target *from = target->from;
 	if (from && from->kind == STILB_RENDER_TARGET_DEPTH) {
-		target->depth = target_image(device, target, from->name, "", STILB_GPU_D32_F, 1, from->output);
+		target->depth = from->lasting ? target_lasting(device, target)
+		                              : target_image(device, target, from->name, "", STILB_GPU_D32_F, 1, from->output);
 		return;
 	}
 	bool main = target_is_main(from);
@@ -64,12 +110,41 @@ render_frame_target *render_target_get(render_device *device, const stilb_render
 	return target;
 }
 
+uint16_t render_target_image(render_device *device, const render_frame_target *target, const char *what,
+                             stilb_gpu_format format, bool output)
+{
+	char name[STILB_GPU_MAX_NAME + 1];
+	bool main = target->main || !target->from;
+	render_target_name(target, what, name);
+	return stilb_gpu_plan_image(device->plan,
+	                            &(stilb_gpu_plan_image_row){.name = name,
+	                                                        .format = format,
+	                                                        .width = target->width,
+	                                                        .height = target->height,
+	                                                        .samples = 1,
+	                                                        .output = output && (main || target->from->output)});
+}
+
 render_frame_target *render_target_main(render_device *device)
 {
 	for (uint32_t t = 0; t < device->frame.target_count; t++)
 		if (device->frame.targets[t].main)
 			return &device->frame.targets[t];
 	return NULL;
+}
+
+uint32_t render_target_nothing(render_device *device)
+{
+	render_frame *frame = &device->frame;
+	if (frame->empty_list > 0)
+		return frame->empty_list - 1;
+	uint32_t number = frame->list_count++;
+	STILB_ASSERT(number < RENDER_MAX_LISTS);
+	device->lists[number].first_run = frame->run_count;
+	device->draws[number] =
+		(stilb_gpu_draws){.commands = render_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer};
+	frame->empty_list = number + 1;
+	return number;
 }
 
 /* ---- the picture ------------------------------------------------------------------------------------------------- */
@@ -108,8 +183,45 @@ void render_targets_resolve(render_device *device)
 			target_screen(device, row, target->samples,
 			              (stilb_gpu_attachment){.image = target->color, .load = STILB_GPU_LOAD_DISCARD},
 			              (stilb_gpu_sampler){0},
-			              (render_tone_push){.exposure = target->channel > 0 ? 0.0f : target->exposure});
+			              (render_tone_push){.exposure = target->data ? 0.0f : target->exposure});
 	}
+}
+
+/* The image of the reference; 0: no view draws it in the size of `target`. */
+static uint16_t target_reference(const render_device *device, const render_frame_target *target)
+{
+	for (uint32_t t = 0; t < device->frame.target_count; t++) {
+		const render_frame_target *other = &device->frame.targets[t];
+		if (other->from && strcmp(other->from->name, STILB_RENDER_IMAGE_REFERENCE) == 0 &&
+		    other->width == target->width && other->height == target->height)
+			return other->color;
+	}
+	return 0;
+}
+
+stilb_result render_target_compare(render_device *device, const render_frame_target *target, uint16_t *light)
+{
+	uint16_t reference = target_reference(device, target);
+	if (reference == 0)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "a view shows its error, and none draws the target '%s' in its size",
+		                  STILB_RENDER_IMAGE_REFERENCE);
+	stilb_result result = render_programs_difference(device);
+	if (result != STILB_OK)
+		return result;
+	uint16_t apart = render_target_image(device, target, STILB_RENDER_IMAGE_ERROR, STILB_GPU_RGBA16_F, true);
+	stilb_gpu_pass compare = {
+		.name = "difference",
+		.kind = STILB_GPU_PASS_FULLSCREEN,
+		.program = device->programs.difference.id,
+		.color_count = 1,
+		.color = {{.image = apart, .load = STILB_GPU_LOAD_DISCARD}},
+		.use_count = 2,
+		.uses = {{.resource = target->color, .how = STILB_GPU_USE_SAMPLED},
+	             {.resource = reference, .how = STILB_GPU_USE_SAMPLED, .slot = 1}},
+	};
+	stilb_gpu_plan_pass(device->plan, &compare);
+	*light = apart;
+	return STILB_OK;
 }
 
 void render_targets_show(render_device *device, uint16_t main_light)

@@ -7,16 +7,49 @@ const stilb_gpu_format render_gbuffer_formats[STILB_RENDER_GBUFFER_KINDS][1 + RE
 	[STILB_RENDER_GBUFFER_RGBA8] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U},
 };
 
+static const render_way ways[STILB_RENDER_LIGHTING_WAYS] = {
+	[STILB_RENDER_LIGHTING_DEFERRED] = {.surfaces = true},
+	[STILB_RENDER_LIGHTING_TILED_DEFERRED] = {.surfaces = true, .tiles = true},
+	[STILB_RENDER_LIGHTING_TILED_FORWARD] = {.laid = true, .tiles = true},
+	[STILB_RENDER_LIGHTING_INDEXED] = {.laid = true, .indexed = true},
+	[STILB_RENDER_LIGHTING_PREPASS] = {.laid = true, .apart = true},
+	[STILB_RENDER_LIGHTING_PRELIGHT] = {.laid = true, .apart = true},
+};
+
 bool render_view_lighting_is_known(const stilb_render_view *view)
 {
 	return (uint32_t)view->lighting < STILB_RENDER_LIGHTING_WAYS &&
 	       (uint32_t)view->deferred.coverage < STILB_RENDER_COVERAGE_WAYS &&
-	       (uint32_t)view->deferred.gbuffer < STILB_RENDER_GBUFFER_KINDS;
+	       (uint32_t)view->deferred.gbuffer < STILB_RENDER_GBUFFER_KINDS &&
+	       (uint32_t)view->light_lists < STILB_RENDER_LIGHT_LISTS_WAYS &&
+	       (uint32_t)view->ambient < STILB_RENDER_AMBIENT_KINDS;
 }
 
-bool render_view_is_deferred(const render_device *device, const stilb_render_view *view)
+bool stilb_render_lighting_is_of_one_sample(stilb_render_lighting way)
 {
-	return view->lighting == STILB_RENDER_LIGHTING_DEFERRED && device->samples == 1 && render_view_is_lit(view);
+	STILB_ASSERT((uint32_t)way < STILB_RENDER_LIGHTING_WAYS);
+	return ways[way].surfaces || ways[way].laid;
+}
+
+render_way render_view_way(const render_device *device, const stilb_render_view *view)
+{
+	return device->samples == 1 && render_view_is_lit(view) ? ways[view->lighting] : (render_way){0};
+}
+
+render_tiles render_view_tiles(const render_device *device, const stilb_render_view *view)
+{
+	render_way way = render_view_way(device, view);
+	if (way.indexed)
+		return RENDER_TILES_INDICES;
+	if (!way.surfaces)
+		return RENDER_TILES_DEPTH;
+	return view->light_tolerance > 0.0f ? RENDER_TILES_GLOSS : RENDER_TILES_NORMALS;
+}
+
+bool render_view_has_volumes(const render_device *device, const stilb_render_view *view)
+{
+	return !ways[view->lighting].tiles && view->deferred.coverage == STILB_RENDER_COVERAGE_VOLUMES &&
+	       stilb_gpu_limits_get(device->gpu)->counts;
 }
 
 bool render_maps_are_plain(uint64_t bits)
@@ -28,24 +61,64 @@ uint32_t render_added_bits(const stilb_render_view *view, uint32_t light_bits)
 {
 	bool multipass = view->lighting == STILB_RENDER_LIGHTING_MULTIPASS && render_view_is_lit(view);
 	bool several = !(light_bits & RENDER_LIGHTS_ONE) && light_bits & ((1u << STILB_SCENE_LIGHT_KINDS) - 1);
-	uint32_t read = ~(RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_ONE);
+	uint32_t read = ~(RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_AMBIENT | RENDER_LIGHTS_ONE);
 	return multipass && several ? (light_bits & read) | RENDER_LIGHTS_ADDED : 0;
 }
 
-static uint32_t deferred_narrow(const stilb_render_view *view)
+/* How surfaces and their light are kept in images. */
+static uint32_t ways_images(const stilb_render_view *view)
 {
+	if (ways[view->lighting].apart)
+		return RENDER_LIGHTS_APART | (view->lighting == STILB_RENDER_LIGHTING_PREPASS ? RENDER_LIGHTS_GBUFFER8 : 0);
 	return view->deferred.gbuffer == STILB_RENDER_GBUFFER_RGBA8 ? RENDER_LIGHTS_GBUFFER8 : 0;
+}
+
+/* How programs find lights between the two passes over surfaces. */
+static uint32_t ways_lists(const stilb_render_view *view, uint32_t light_bits)
+{
+	bool lists = light_bits & RENDER_LIGHTS_LISTS;
+	return (lists && ways[view->lighting].tiles ? RENDER_LIGHTS_TILES : 0) |
+	       (lists && ways[view->lighting].indexed ? RENDER_LIGHTS_INDEXED : 0);
 }
 
 uint32_t render_gbuffer_bits(const stilb_render_view *view, uint32_t light_bits)
 {
-	uint32_t around = RENDER_LIGHTS_SIDES | RENDER_LIGHTS_PANORAMA | RENDER_LIGHTS_GLOSS;
-	return (light_bits & around) | RENDER_LIGHTS_GBUFFER | deferred_narrow(view);
+	uint32_t around = RENDER_LIGHTS_PANORAMA | RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_AMBIENT;
+	uint32_t read =
+		RENDER_LIGHTS_SIDES | RENDER_LIGHTS_COUNTED | RENDER_LIGHTS_SHADOWS | (ways[view->lighting].apart ? 0 : around);
+	return (light_bits & read) | RENDER_LIGHTS_GBUFFER | ways_images(view);
 }
 
 uint32_t render_deferred_bits(const stilb_render_view *view, uint32_t light_bits)
 {
-	bool lists = view->deferred.coverage == STILB_RENDER_COVERAGE_CELLS;
-	uint32_t unread = RENDER_LIGHTS_SIDES | RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_ONE | (lists ? 0 : RENDER_LIGHTS_LISTS);
-	return (light_bits & ~unread) | deferred_narrow(view);
+	bool lists = ways[view->lighting].tiles || view->deferred.coverage == STILB_RENDER_COVERAGE_CELLS;
+	uint32_t unread = RENDER_LIGHTS_SIDES | RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_AMBIENT | RENDER_LIGHTS_ONE |
+	                  (lists ? 0 : RENDER_LIGHTS_LISTS);
+	return (light_bits & ~unread) | ways_images(view) | ways_lists(view, light_bits);
+}
+
+uint32_t render_laid_bits(const stilb_render_view *view, uint32_t light_bits)
+{
+	if (!ways[view->lighting].apart)
+		return light_bits | RENDER_LIGHTS_LAID | ways_lists(view, light_bits);
+	uint32_t read = RENDER_LIGHTS_SIDES | RENDER_LIGHTS_PANORAMA | RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_AMBIENT |
+	                RENDER_LIGHTS_COUNTED;
+	return (light_bits & read) | RENDER_LIGHTS_LAID | ways_images(view);
+}
+
+bool render_view_is_apart(const render_device *device, const stilb_render_view *view)
+{
+	return view->ambient_apart && device->samples == 1 && render_view_is_lit(view);
+}
+
+uint32_t render_around_bits(uint32_t light_bits)
+{
+	uint32_t read = RENDER_LIGHTS_SIDES | RENDER_LIGHTS_PANORAMA | RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_AMBIENT;
+	return (light_bits & read) | RENDER_LIGHTS_AROUND;
+}
+
+uint32_t render_unlit_around_bits(uint32_t light_bits)
+{
+	/* The panorama's bit stays: its lamps are lights, and have a size. */
+	return (light_bits & ~(RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_AMBIENT)) | RENDER_LIGHTS_DARK;
 }

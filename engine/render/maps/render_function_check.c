@@ -4,11 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The shader must write the colour of passes that have one, and else nothing. */
+/* The shader must write what its passes draw into. */
 static stilb_result function_check_output(const stilb_gpu_shader *shader, render_function_kind kind, const char *name)
 {
 	gpu_spirv found;
-	uint32_t outputs = kind == RENDER_FUNCTION_DEPTH ? 0 : 1;
+	uint32_t outputs = kind == RENDER_FUNCTION_DEPTH ? 0 : kind == RENDER_FUNCTION_SEEN ? 7 : 1; /* bits */
 	if (!gpu_spirv_read(shader, &found) || found.no_memory)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for reading the shaders of '%s'", name);
 	if (found.outputs == outputs)
@@ -20,13 +20,14 @@ static stilb_result function_check_output(const stilb_gpu_shader *shader, render
 static stilb_result function_check_code(render_device *device, const stilb_scene_function *from, const char *name,
                                         uint32_t code)
 {
-	render_function_kind kind = code >= RENDER_FUNCTION_VELOCITY  ? RENDER_FUNCTION_VELOCITY
-	                            : code >= RENDER_FUNCTION_DEPTH   ? RENDER_FUNCTION_DEPTH
-	                            : code >= RENDER_FUNCTION_CHANNEL ? RENDER_FUNCTION_CHANNEL
-	                            : code >= RENDER_FUNCTION_THROUGH ? RENDER_FUNCTION_THROUGH
-	                                                              : RENDER_FUNCTION_MAPS;
+	render_function_kind kind = code >= RENDER_FUNCTION_SEEN       ? RENDER_FUNCTION_SEEN
+	                            : code >= RENDER_FUNCTION_VELOCITY ? RENDER_FUNCTION_VELOCITY
+	                            : code >= RENDER_FUNCTION_DEPTH    ? RENDER_FUNCTION_DEPTH
+	                            : code >= RENDER_FUNCTION_CHANNEL  ? RENDER_FUNCTION_CHANNEL
+	                            : code >= RENDER_FUNCTION_THROUGH  ? RENDER_FUNCTION_THROUGH
+	                                                               : RENDER_FUNCTION_MAPS;
 	bool extras = code & 1u, channel = kind == RENDER_FUNCTION_CHANNEL, through = kind == RENDER_FUNCTION_THROUGH;
-	bool depth = kind == RENDER_FUNCTION_DEPTH || kind == RENDER_FUNCTION_VELOCITY;
+	bool depth = code >= RENDER_FUNCTION_DEPTH;
 	bool layers = through || (kind == RENDER_FUNCTION_MAPS && code & 8u) || (depth && code & 2u);
 	bool gloss = (kind == RENDER_FUNCTION_MAPS && code & 4u) || (through && code & 2u);
 	stilb_gpu_program_desc desc = {
@@ -34,7 +35,7 @@ static stilb_result function_check_code(render_device *device, const stilb_scene
 		.vertex = channel ? render_function_channel_vertex[device->packed][extras]
 	                      : render_function_vertex[layers][device->packed][extras],
 		.fragment = {.words = from->codes[code].words, .bytes = from->codes[code].bytes},
-		.samplers = (uint8_t)(3 * gloss + through),
+		.samplers = (uint8_t)(3 * gloss + (!depth && !channel) + through), /* in between: of shadows */
 		.set_items = layers ? RENDER_MAPS : RENDER_MAPS_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER,
 	};

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-static_assert(RENDER_FUNCTION_VELOCITY + 4 == STILB_SCENE_FUNCTION_CODES, "all kinds");
+static_assert(RENDER_FUNCTION_SEEN + 4 == STILB_SCENE_FUNCTION_CODES, "all kinds");
 static_assert(RENDER_MAX_FUNCTIONS <= 1u << 10, "a key of programs has that many bits for them");
 
 stilb_gpu_shader render_function_code(const stilb_scene_function *function, render_function_kind kind, bool layers,

@@ -24,14 +24,15 @@ typedef struct render_function {
 } render_function;
 
 /* The kinds of fragment shaders that a function comes as, in the order of stilb_scene_function.codes: MAPS by layers,
- * gloss, coverage, extras; THROUGH by gloss, extras; CHANNEL by coverage, extras; DEPTH and VELOCITY by layers,
- * extras; the last counts fastest. As cmake/StilbSurface.cmake writes them. */
+ * gloss, coverage, extras; THROUGH by gloss, extras; CHANNEL by coverage, extras; DEPTH, VELOCITY and SEEN (normals and
+ * ids with velocities) by layers, extras; the last counts fastest. As cmake/StilbSurface.cmake writes them. */
 typedef enum render_function_kind {
 	RENDER_FUNCTION_MAPS,
 	RENDER_FUNCTION_THROUGH = 16,
 	RENDER_FUNCTION_CHANNEL = 20,
 	RENDER_FUNCTION_DEPTH = 24,
 	RENDER_FUNCTION_VELOCITY = 28,
+	RENDER_FUNCTION_SEEN = 32,
 } render_function_kind;
 
 /* [any-thread] */

@@ -27,12 +27,13 @@ typedef struct panorama_sums {
 struct render_panorama_work {
 	stilb_image map; /* its pixels are valid during a call of render_panorama_update alone */
 	uint64_t key;
-	uint32_t stage, row;          /* the next of its rows */
+	uint32_t stage, row; /* the next of its rows */
 	render_panorama_table *light;
 	uint16_t (*texels)[4];  /* [height][width] */
 	uint32_t width, height; /* of the texels */
 	uint32_t lamp_count;
 	render_panorama_lamp lamps[RENDER_PANORAMA_LAMPS];
+	render_panorama_around around;
 	float (*cells)[PANORAMA_ACROSS][3];      /* [DOWN] L dw; L from the gloss's first stage on */
 	panorama_sums (*sums)[3];                /* [DOWN] */
 	uint16_t (*cube)[4];                     /* [RENDER_PANORAMA_CUBE] */
@@ -69,6 +70,9 @@ static inline panorama_overlap panorama_overlap_of(uint32_t i, uint32_t texels, 
 	double low = (double)i / texels, high = (i + 1.0) / texels, from = (double)c / cells, to = (c + 1.0) / cells;
 	return (panorama_overlap){low > from ? low : from, high < to ? high : to};
 }
+
+/* render_panorama_ambient.c, a stage of one row: sets `around` by the cells without the lamps. */
+void render_panorama_find_ambient(render_panorama_work *work);
 
 /* render_panorama_light.c, stages of the work: rows [begin, end) of it. */
 

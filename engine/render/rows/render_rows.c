@@ -54,9 +54,9 @@ void render_rows_finish(stilb_render *render)
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* Writes the row of a part; one of a removed model has none. last: of render_row. */
-static inline void rows_put(render_row *row, const render_scene *tables, const stilb_scene *scene, uint32_t part,
-                            uint32_t last, bool stream)
+/* Writes the row of a part of a model; one of a removed model has none. last: of render_row. */
+static inline void rows_put(render_row *row, const render_scene *tables, const stilb_scene *scene, uint32_t model,
+                            uint32_t part, uint32_t last, bool stream)
 {
 	if (scene->part_mesh[part] == STILB_SCENE_NONE)
 		return;
@@ -64,7 +64,8 @@ static inline void rows_put(render_row *row, const render_scene *tables, const s
 	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f && transform->m[11] == 0.0f);
 	STILB_ASSERT(transform->m[15] == 1.0f && "the transform is affine");
 	render_row_write(row, transform, tables->materials[scene->part_material[part]].id & RENDER_INDEX_MASK,
-	                 tables->meshes[scene->part_mesh[part]].id & RENDER_INDEX_MASK, last, stream);
+	                 tables->meshes[scene->part_mesh[part]].id & RENDER_INDEX_MASK, last,
+	                 render_row_model(scene, model), stream);
 }
 
 static void rows_put_all(render_rows *rows, const render_scene *tables, const stilb_scene *scene)
@@ -72,8 +73,9 @@ static void rows_put_all(render_rows *rows, const render_scene *tables, const st
 	PROFILE("write all rows");
 	STILB_ASSERT(scene->part_count <= rows->capacity);
 	bool stream = scene->part_count > RENDER_CACHED_ROWS;
-	for (uint32_t p = 0; p < scene->part_count; p++)
-		rows_put(&rows->data[p], tables, scene, p, 0, stream);
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		for (uint32_t p = scene->first_part[m]; p < scene->first_part[m + 1]; p++)
+			rows_put(&rows->data[p], tables, scene, m, p, 0, stream);
 	render_row_drain();
 }
 
@@ -248,7 +250,7 @@ static uint32_t places_age(render_places *places, const render_scene *tables, co
 			continue;
 		}
 		for (uint32_t p = first; p < end; p++) {
-			rows_put(&places->rows->data[p], tables, scene, p, 0, false);
+			rows_put(&places->rows->data[p], tables, scene, model, p, 0, false);
 			places->words[p] = p;
 		}
 	}
@@ -299,7 +301,7 @@ static void rows_slice(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 		for (uint32_t p = first_part[model]; p < first_part[model + 1]; p++) {
 			uint32_t number = (places->words[p] & (RENDER_MAX_ROWS - 1)) - job->first;
 			uint32_t last = places->last ? rows_put_last(job, number, p, moved) : 0;
-			rows_put(job->rows + number, job->tables, job->scene, p, last, job->stream);
+			rows_put(job->rows + number, job->tables, job->scene, model, p, last, job->stream);
 			if (places->stretches)
 				places->stretches[p] = render_place_stretch(&job->scene->part_transform[p]);
 		}

@@ -31,10 +31,21 @@
 typedef struct render_row {
 	float transform[12];
 	uint32_t material;
-	uint32_t mesh; /* index; for the stream hash, dumps and the extras of vertices */
-	uint32_t last; /* 1 + the index among the frame's rows of its render_last_row; 0: it has not moved in this frame */
-	uint32_t unused;
+	uint32_t mesh;  /* index; for the stream hash, dumps and the extras of vertices */
+	uint32_t last;  /* 1 + the index among the frame's rows of its render_last_row; 0: it has not moved in this frame */
+	uint32_t model; /* of render_row_model: the scene's model that it draws a part of; 0: it is drawn by hand */
 } render_row;
+
+#define RENDER_ROW_FLAGS_SHIFT 24u
+
+static_assert(STILB_SCENE_MAX_MODELS < 1u << RENDER_ROW_FLAGS_SHIFT && STILB_SCENE_MODEL_FLAGS < 256u,
+              "a model's number and its flags share a word");
+
+/* render_row.model: 1 + the model, and above it its flags, STILB_SCENE_MODEL_... */
+static inline uint32_t render_row_model(const stilb_scene *scene, uint32_t model)
+{
+	return (1 + model) | (uint32_t)scene->model_flags[model] << RENDER_ROW_FLAGS_SHIFT;
+}
 
 /* Where a part was in the frame before, in the place of a row. */
 typedef struct render_last_row {
@@ -171,13 +182,13 @@ static inline float render_place_stretch(const stilb_mat4 *transform)
 
 #if defined(__SSE2__) && !defined(__SANITIZE_THREAD__)
 
-/* Writes the upper three rows of the matrix, then material, mesh and last. stream: with non-temporal stores. Without
- * loops: gcc 12 turns a loop of loads into a copy of the matrix through the stack (measured: 5.0 ns a draw instead of
- * 4.1). */
+/* Writes the upper three rows of the matrix, then material, mesh, last and model. stream: with non-temporal stores.
+ * Without loops: gcc 12 turns a loop of loads into a copy of the matrix through the stack (measured: 5.0 ns a draw
+ * instead of 4.1). */
 static inline void render_row_write(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
-                                    uint32_t last, bool stream)
+                                    uint32_t last, uint32_t model, bool stream)
 {
-	__m128i ids = _mm_set_epi32(0, (int32_t)last, (int32_t)mesh, (int32_t)material);
+	__m128i ids = _mm_set_epi32((int32_t)model, (int32_t)last, (int32_t)mesh, (int32_t)material);
 	__m128 x = _mm_loadu_ps(transform->m), y = _mm_loadu_ps(transform->m + 4);
 	__m128 z = _mm_loadu_ps(transform->m + 8), w = _mm_loadu_ps(transform->m + 12);
 	_MM_TRANSPOSE4_PS(x, y, z, w); /* columns to rows */
@@ -201,7 +212,7 @@ static inline void render_row_drain(void)
 }
 #else
 static inline void render_row_write(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
-                                    uint32_t last, bool stream)
+                                    uint32_t last, uint32_t model, bool stream)
 {
 	(void)stream;
 	for (int r = 0; r < 3; r++)
@@ -210,7 +221,7 @@ static inline void render_row_write(render_row *row, const stilb_mat4 *transform
 	row->material = material;
 	row->mesh = mesh;
 	row->last = last;
-	row->unused = 0;
+	row->model = model;
 }
 
 static inline void render_row_drain(void)

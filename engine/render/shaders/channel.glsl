@@ -15,7 +15,7 @@
 #define CHANNEL_UV1 10u
 #define CHANNEL_WIREFRAME 11u
 #define CHANNEL_OVERDRAW 12u
-const uint channel = lights >> 17; // RENDER_LIGHTS_CHANNEL_SHIFT
+const uint channel = lights >> 25 & 15u; // RENDER_LIGHTS_CHANNEL_SHIFT
 
 // What a surface is made of. What it has not is 0, but for occlusion and alpha, which are 1.
 struct Channels {

@@ -3,7 +3,11 @@
 #include "mesh.glsl"
 #include "impostor_seen.glsl"
 
+#ifdef MESH_SEEN
+#include "velocity.glsl"
+#else
 layout(location = 0) out vec4 color;
+#endif
 
 vec3 world_position;
 
@@ -25,6 +29,11 @@ void main()
 	if (both_sides)
 		n = bent_normal(n, to_camera);
 
+#ifdef MESH_SEEN
+	gl_FragDepth = depth_of(world_position);
+	velocity = velocity_from(last_place(world_position), vec2(push.view.rest.half_width, push.view.rest.half_height));
+	seen_write(n, model_lights);
+#else
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
 	vec3 diffuse = p.a.color.rgb * weights.x + p.b.color.rgb * weights.y + p.c.color.rgb * weights.z;
@@ -40,4 +49,5 @@ void main()
 		radiance = level_color(material_word, n, to_camera);
 	gl_FragDepth = depth_of(world_position);
 	color = picture_color(radiance, index);
+#endif
 }

@@ -87,7 +87,10 @@ void main()
 	PICTURE(c, 2)
 #undef PICTURE
 	sides = vec2(side, grid * side);
-	material_word = row.material;
+	material_word = row.material | material_unshadowed(row, formula_lights);
+	model_lights = (formula_lights & LIGHTS_SEEN) != 0u ? row.model & ROW_MODEL
+		: (formula_lights & LIGHTS_COMBINED) != 0u ? model_word(row)
+		                                              : 0u;
 	if (detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW)
 		material_word |= detail << DETAIL_MATERIAL_SHIFT;
 	for (uint i = 0u; i < 3u; i++)

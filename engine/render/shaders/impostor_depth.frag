@@ -12,11 +12,9 @@ void main()
 {
 	if (detail_kind == DETAIL_FADE && is_faded_out(material_word))
 		discard;
-	vec4 place = vec4(place_of(look_at_pictures()), 1.0);
-	gl_FragDepth = depth_of(place.xyz);
+	vec3 place = place_of(look_at_pictures());
+	gl_FragDepth = depth_of(place);
 #ifdef MESH_VELOCITY
-	vec4 last = vec4(dot(moved[0], place), dot(moved[1], place), dot(moved[2], place), 1.0);
-	velocity = velocity_from((push.view.rest.last_view_projection * last).xyw,
-		vec2(push.view.rest.half_width, push.view.rest.half_height));
+	velocity = velocity_from(last_place(place), vec2(push.view.rest.half_width, push.view.rest.half_height));
 #endif
 }

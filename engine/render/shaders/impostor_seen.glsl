@@ -6,8 +6,6 @@ IMPOSTOR_VARYINGS(in)
 
 layout(set = 1, binding = 0) uniform sampler2D maps; // stilb_scene_impostor.maps
 
-layout(constant_id = 8) const uint samples = 1u; // of a pixel: 1 or 4
-
 // Steps by which the ray approaches the surface that a picture's heights describe.
 const int STEPS = 2;
 
@@ -78,6 +76,14 @@ vec3 place_of(Pictures p)
 	vec3 camera = push.view.camera_position.xyz;
 	float along = dot(p.weights, vec3(p.a.along, p.b.along, p.c.along));
 	return camera + (world_plate - camera) * along;
+}
+
+// x, y, w in clip space of where the point was in the frame before.
+vec3 last_place(vec3 now)
+{
+	vec4 place = vec4(now, 1.0);
+	vec4 last = vec4(dot(moved[0], place), dot(moved[1], place), dot(moved[2], place), 1.0);
+	return (push.view.rest.last_view_projection * last).xyw;
 }
 
 float depth_of(vec3 place)

@@ -7,18 +7,8 @@ vec3 around_mirrored(float roughness, vec3 n, vec3 v)
 	vec2 dfg = gloss_shares(n, v, roughness);
 	return gloss_mirrored(n, v, roughness) * (dfg.x + dfg.y);
 #else
-	shade_material white = {vec3(0.0), vec3(1.0), roughness, 0.0, 0.0};
-	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
-	return lights_gloss && !lights_panorama ? sky_highlight(white, sky, n, v) : vec3(0.0);
+	return lights_gloss && !lights_panorama ? sky_mirrored(reflect(-v, n), roughness) : vec3(0.0);
 #endif
-}
-
-// What the surroundings send to a surface that reflects evenly, over pi.
-vec3 around_even(vec3 n)
-{
-	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
-	shade_material white = {vec3(1.0), vec3(0.0), 1.0, 0.0, 0.0};
-	return lights_panorama ? shade_lambert(vec3(1.0)) * panorama_irradiance(n) : shade_surface_sky(white, sky, n);
 }
 
 #ifdef LIT_GLOSS
@@ -54,9 +44,8 @@ vec3 around_highlight(shade_material material, bool brushed, shade_frame frame, 
 		return panorama_brushed(material, frame, v);
 	return panorama_highlight(material, frame.n, v);
 #else
-	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
 	bool mirrors = lights_gloss && !lights_panorama && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED;
-	return mirrors ? sky_highlight(material, sky, frame.n, v) : vec3(0.0);
+	return mirrors ? sky_highlight(material, frame.n, v) : vec3(0.0);
 #endif
 }
 
@@ -82,14 +71,16 @@ vec3 layered_radiance(shade_material material, vec3 emission, float open, vec3 n
 		frame = shade_frame_from_tangent(n, layers.along);
 	}
 	vec3 lights_sent = from_lights(model, material, frame, v);
-	vec3 around = material.diffuse * around_even(n) * open + around_highlight(material, brushes, frame, v);
+	vec3 around = material.diffuse * own_even_radiance(vec3(1.0), n) * open;
+	around += around_highlight(material, brushes, frame, v);
+	around += material.diffuse * from_others(n);
 #ifdef LIT_THROUGH
 	around += seen_through(material, n, v);
 #endif
 	if (has_sheen) {
 		float albedo = shade_sheen_albedo(dot(n, v), layers.sheen_roughness);
 		vec3 toward = shade_sheen_direction(n, v, layers.sheen_roughness);
-		around = around * sheen_left(n, v) + layers.sheen * albedo * around_even(toward) * open;
+		around = around * sheen_left(n, v) + layers.sheen * albedo * even_radiance(vec3(1.0), toward) * open;
 	}
 	around += emission;
 	if (has_coat) {

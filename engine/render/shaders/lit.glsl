@@ -1,8 +1,10 @@
 // What the fragment shaders of meshes and impostors share: a surface's material, and the light that it sends to the
-// viewer. Who includes it has declared `vec3 world_position`, the point that is lit.
+// viewer. Who includes it has declared `vec3 world_position`, the point that is lit, and `uint model_lights`, the word
+// of the model that it is of (mesh.glsl); 0: of none.
 #include "faded.glsl"
 #include "../../shading/shade_energy.h"
 #include "../../shading/shade_environment.h"
+#include "../../shading/shade_sh.h"
 #include "../../shading/shade_surface.h"
 
 // The materials that the program draws: 0 all, 1 those with an even index, 2 those with an odd one; others are black.
@@ -14,16 +16,26 @@ layout(constant_id = 3) const int ndf = SHADE_NDF_GGX;
 layout(constant_id = 4) const int g = SHADE_G_SMITH_GGX;
 layout(constant_id = 5) const int f = SHADE_F_SCHLICK;
 
-// The kinds of light in the view's list, 1 << SHADE_LIGHT_... each, and five more bits (RENDER_LIGHTS_... of
+// The kinds of light in the view's list, 1 << SHADE_LIGHT_... each, and more bits (RENDER_LIGHTS_... of
 // render_internal.h). Only the code of these is left: software devices compute every branch for every pixel.
 layout(constant_id = 6) const uint lights = 1u << SHADE_LIGHT_DIRECTIONAL;
 const bool lights_end = (lights & 64u) != 0;    // some have a falloff that is not physical
-const bool lights_gloss = (lights & 128u) != 0; // highlights mirror sky and ground
+const bool lights_gloss = (lights & 128u) != 0; // highlights mirror sky and ground, or the harmonics
 const bool lights_panorama = (lights & 256u) != 0; // its light in place of theirs
+const bool lights_dark = (lights & LIGHTS_AMBIENT) == LIGHTS_DARK;
+const bool lights_sh_vertex = (lights & LIGHTS_AMBIENT) == LIGHTS_SH_VERTEX;
+const bool lights_sh = (lights & LIGHTS_AMBIENT) >= LIGHTS_SH_VERTEX; // and SH_PIXEL
 const bool both_sides = (lights & 512u) != 0;   // triangles are seen from behind, too
 const bool lights_one = (lights & 1024u) != 0;  // the list has one light
 const bool adds_lights = (lights & 65536u) != 0; // they are added to what has been drawn, which has all else
 const bool lights_lists = (lights & 8192u) != 0; // lights that end somewhere are found by lists
+const bool lights_tiles = (lights & 262144u) != 0; // which are those of tiles
+const bool lights_indexed = (lights & 524288u) != 0; // or those of pixels
+const bool lights_combined = (lights & LIGHTS_COMBINED) != 0; // models have lights of their own
+const bool lights_shadows = (lights & 1073741824u) != 0; // maps keep some from surfaces
+const bool lights_counted = (lights & (1u << 24)) != 0; // what is asked is counted, in place of its light
+
+float counted = 0.0; // the lights that this pixel has asked
 
 Material stored_material(uint index)
 {
@@ -58,6 +70,9 @@ shade_frame frame_here(vec3 n)
 	return shade_frame_from_tangent(n, vec3(n.z, 0.0, -n.x)); // cross(up, n)
 }
 
+// Of the light that light_of was asked for last: 0: it has no shadow; else 2 (1 + its first map), + 1: of a cube's six.
+uint light_shadow = 0u;
+
 // A light of the view's list. Whole vec4s are loaded: if .xyz and .w are loaded separately, lavapipe (Mesa 22.3) reads
 // .w as 0.
 shade_light light_of(uint index)
@@ -67,22 +82,32 @@ shade_light light_of(uint index)
 	vec4 intensity_inner = push.view.lights.lights[index].intensity_inner;
 	vec4 half_x_outer = vec4(0.0);
 	vec4 half_y_radius = vec4(0.0);
-	if ((lights & ~(1u << SHADE_LIGHT_DIRECTIONAL)) != 0) {
+	if ((lights & 63u & ~(1u << SHADE_LIGHT_POINT | 1u << SHADE_LIGHT_DIRECTIONAL)) != 0 || lights_panorama) {
 		half_x_outer = push.view.lights.lights[index].half_x_outer;
 		half_y_radius = push.view.lights.lights[index].half_y_radius;
 	}
 	int kind = int(position_kind.w);
-	return shade_light(kind & 7, lights_end ? kind >> 3 : SHADE_FALLOFF_PHYSICAL, position_kind.xyz,
+	light_shadow = uint(kind) >> 5;
+	return shade_light(kind & 7, lights_end ? kind >> 3 & 3 : SHADE_FALLOFF_PHYSICAL, position_kind.xyz,
 		direction_reach.xyz, intensity_inner.xyz, intensity_inner.w, half_x_outer.w, half_y_radius.w, half_x_outer.xyz,
 		half_y_radius.xyz, direction_reach.w);
 }
 
 // MESH_GBUFFER: programs that leave the light of lights to a pass over the picture (deferred.frag), and write what that
-// needs of the surface.
-#ifdef MESH_GBUFFER
+// needs of the surface. LIT_SURFACES: such a pass.
+#if defined(MESH_GBUFFER) || defined(LIT_SURFACES)
 #include "deferred/gbuffer.glsl"
+#endif
+#ifdef MESH_GBUFFER
 GBUFFER_OUTPUTS
 GbufferSurface gbuffer = gbuffer_none(); // of this pixel
+#endif
+
+// True if shadows fall on the surface.
+#ifdef LIT_SURFACES
+bool receives = true; // until the surface has been read
+#else
+bool receives = (material_word & MATERIAL_UNSHADOWED) == 0u;
 #endif
 
 // LIT_LAYERS: programs of surfaces with layers.
@@ -90,9 +115,25 @@ GbufferSurface gbuffer = gbuffer_none(); // of this pixel
 #include "layers.glsl"
 #endif
 
+// LIT_APART: the pass of PREPASS and PRELIGHT that adds up light before surfaces are drawn (deferred/deferred.frag).
+#ifdef LIT_APART
+#include "deferred/apart.glsl"
+#endif
+
+// Programs that add up lights by themselves.
+#if !defined(MESH_GBUFFER) && !defined(LIT_IMAGES) && !defined(MESH_CHANNEL) && !defined(MESH_SEEN) && \
+	!defined(LIT_AROUND) && !defined(MAPS_DEPTH) && !defined(LIT_ALONE)
+#define LIT_SHADOWS
+#include "shadow/shadow.glsl"
+#endif
+
 // What a light sends to v. Each kind has code of its own, so that nothing is left of kinds that the list has not.
 vec3 from_light(shade_light light, shade_brdf_model model, shade_material material, shade_frame frame, vec3 v)
 {
+	if (lights_counted) {
+		counted += 1.0;
+		return vec3(0.0);
+	}
 	shade_sun seen = {vec3(0.0, 0.0, 1.0), vec3(0.0)};
 	vec3 spread = vec3(0.0);
 #define FROM_LIGHT(of_kind, sized)                                                                                     \
@@ -112,7 +153,17 @@ vec3 from_light(shade_light light, shade_brdf_model model, shade_material materi
 	FROM_LIGHT(SHADE_LIGHT_DISK, true)
 	FROM_LIGHT(SHADE_LIGHT_RECTANGLE, true)
 #undef FROM_LIGHT
-#ifdef LIT_LAYERS
+#ifdef LIT_SHADOWS
+	if (lights_shadows && light_shadow != 0u && receives) {
+		float open = shadow_open(light_shadow, light.kind == SHADE_LIGHT_DIRECTIONAL, light.position,
+			seen.direction, frame.n);
+		seen.irradiance *= open;
+		spread *= open;
+	}
+#endif
+#ifdef LIT_APART
+	return light_apart(material, frame, seen, lamp || shade_light_is_sized(light.kind), spread, v);
+#elif defined(LIT_LAYERS)
 	bool sized = lamp || shade_light_is_sized(light.kind);
 	return layers_lit(shade_surface_lit(model, material, frame, seen, sized, spread, v), material, frame.n, seen, v);
 #else
@@ -120,19 +171,62 @@ vec3 from_light(shade_light light, shade_brdf_model model, shade_material materi
 #endif
 }
 
-// Where the list of the cell that has the point that is lit begins and ends, among the words of the lists.
-uvec2 list_here()
+#ifndef LIT_IMAGES
+#include "deferred/lists.glsl"
+
+// The pixel in which the point lies that is lit. Where a triangle covers a part of a pixel's samples that may be the
+// one beside it, as devices round.
+vec2 pixel_here()
 {
-	uvec2 grid = push.view.grid, tiles = uvec2(grid.x & 0xffffu, grid.x >> 16);
-	uint slices = grid.y >> 8;
-	uvec2 tile = uvec2(gl_FragCoord.xy) >> (grid.y & 0xffu);
-	vec4 plane = push.view.lists.depth_plane;
-	vec4 scale = push.view.lists.slice;
-	float depth = max(dot(plane.xyz, world_position) + plane.w, 1e-30);
-	uint slice = min(uint(max(log2(depth) * scale.x + scale.y, 0.0)), slices - 1u);
-	uint cell = tile.x + tiles.x * (tile.y + tiles.y * slice);
-	uint first = tiles.x * tiles.y * slices + 1u;
-	return first + uvec2(push.view.lists.words[cell], push.view.lists.words[cell + 1u]);
+	if (samples == 1u)
+		return gl_FragCoord.xy;
+	vec2 size = 2.0 * vec2(push.view.rest.half_width, push.view.rest.half_height);
+	vec4 clip = push.view.rest.view_projection * vec4(world_position, 1.0);
+	return clamp((clip.xy / clip.w * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
+}
+
+// Where the list of lights for the point that is lit begins and ends, among the words of the lists.
+uvec2 list_here(LightLists lists)
+{
+	if (!lights_tiles)
+		return list_of_cell(lists, pixel_here(), world_position);
+	uvec2 tiles = uvec2(push.view.grid.x & 0xffffu, push.view.grid.x >> 16);
+	uvec2 at = uvec2(gl_FragCoord.xy) >> (push.view.grid.y & 0xffu);
+	uint tile = at.x + tiles.x * at.y;
+	return uvec2(lists.words[tile], lists.words[tile + tiles.x * tiles.y]);
+}
+
+const uint NO_LIGHT = 0xffffffffu;
+
+// The model's record, of so many parts: see mesh.glsl.
+uvec4 model_part(uint part)
+{
+	return ModelLights(push.view.lists).parts[(model_lights & 0x7fffffffu) + part];
+}
+
+// What the model's own lights send to v.
+vec3 from_own_lights(shade_brdf_model model, shade_material material, shade_frame frame, vec3 v)
+{
+	uvec4 own = model_part(0u);
+	vec4 shares = uintBitsToFloat(model_part(1u));
+	vec3 radiance = vec3(0.0);
+	for (uint i = 0u; i < 4u && own[i] != NO_LIGHT; i++)
+		radiance += shares[i] * from_light(light_of(own[i]), model, material, frame, v);
+	return radiance;
+}
+
+// What the model's other lights, as their sum has them, send to a surface that reflects evenly, over pi.
+vec3 from_others(vec3 n)
+{
+	if (!lights_combined || (model_lights >> 31) == 0u)
+		return vec3(0.0);
+	shade_sh y = shade_sh_basis(n);
+	vec4 low = vec4(y.c[0], y.c[1], y.c[2], y.c[3]), high = vec4(y.c[4], y.c[5], y.c[6], y.c[7]);
+	vec3 irradiance = uintBitsToFloat(model_part(8u)).xyz * y.c[8];
+	for (uint c = 0u; c < 3u; c++)
+		irradiance[c] += dot(uintBitsToFloat(model_part(2u + 2u * c)), low) +
+			dot(uintBitsToFloat(model_part(3u + 2u * c)), high);
+	return shade_lambert(vec3(1.0)) * max(irradiance, 0.0);
 }
 
 // What the view's lights send to v.
@@ -140,17 +234,32 @@ vec3 from_lights(shade_brdf_model model, shade_material material, shade_frame fr
 {
 	if (lights_one) // with a loop, even of one turn, frames take software devices some 3 % longer
 		return from_light(light_of(0), model, material, frame, v);
+	if (lights_combined && model_lights != 0u)
+		return from_own_lights(model, material, frame, v);
 	vec3 radiance = vec3(0.0);
 	for (uint i = 0; (lights & 63u) != 0 && i < push.view.light_count; i++)
 		radiance += from_light(light_of(i), model, material, frame, v);
 	if (lights_lists) {
-		uvec2 list = list_here();
-		for (uint i = list.x; i < list.y; i++)
-			radiance +=
-				from_light(light_of(push.view.light_count + push.view.lists.words[i]), model, material, frame, v);
+		LightLists lists = push.view.lists;
+		uvec4 indices = uvec4(LIGHT_INDEX_MORE);
+		if (lights_indexed) {
+			uint width = uint(2.0 * push.view.rest.half_width);
+			LightIndices pixels = LightIndices(lists);
+			lists = pixels.lists;
+			indices = pixels.pixels[uint(gl_FragCoord.x) + width * uint(gl_FragCoord.y)];
+		}
+		bool listed = !lights_indexed || indices.x == LIGHT_INDEX_MORE;
+		uvec2 list = listed ? list_here(lists) : uvec2(0u, 8u);
+		for (uint i = list.x; i < list.y; i++) {
+			uint id = listed ? lists.words[i] : indices[i / 2u] >> (i & 1u) * 16u & 0xffffu;
+			if (!listed && id == LIGHT_INDEX_NONE)
+				break;
+			radiance += from_light(light_of(push.view.light_count + id), model, material, frame, v);
+		}
 	}
 	return radiance;
 }
+#endif
 
 // A direction of the world in the panorama's own axes, turned back by its rotation.
 vec3 panorama_own(vec3 d)
@@ -240,42 +349,124 @@ vec3 panorama_highlight(shade_material material, vec3 n, vec3 v)
 }
 #endif
 
-// Sky and ground as a highlight mirrors them.
-vec3 sky_highlight(shade_material material, shade_sky sky, vec3 n, vec3 v)
+// The sum of the harmonics with these weights, which may be negative: light is not.
+vec3 harmonics_sum(shade_sh weights)
 {
-	float exponent = shade_exponent_from_alpha(shade_alpha_from_roughness(material.roughness));
-	return material.specular *
-		shade_hemisphere_radiance(reflect(-v, n).y, shade_exponent_about_r(exponent), sky.sky, sky.ground);
+	vec3 sum = vec3(0.0);
+	for (int i = 0; i < 9; i++)
+		sum += push.view.rest.harmonics[i].xyz * weights.c[i];
+	return max(sum, 0.0);
 }
+
+// Irradiance of the harmonics at a normal.
+vec3 harmonics_irradiance(vec3 n)
+{
+	return harmonics_sum(shade_sh_convolve_cosine(shade_sh_basis(n)));
+}
+
+// LIT_VERTEX: programs of meshes, which have irradiance by vertex.
+#ifdef LIT_VERTEX
+// Of the side that n is on.
+vec3 vertex_irradiance(vec3 n)
+{
+	bool behind = both_sides && dot(n, world_normal) < 0.0;
+	return max(vertex_even + (behind ? -vertex_odd : vertex_odd), 0.0);
+}
+#endif
+
+// The light of the surroundings that a surface with this diffuse reflectance sends on evenly.
+vec3 even_radiance(vec3 diffuse, vec3 n)
+{
+	if (lights_dark)
+		return vec3(0.0);
+	if (lights_sh)
+		return shade_lambert(diffuse) * harmonics_irradiance(n);
+	if (lights_panorama)
+		return shade_lambert(diffuse) * panorama_irradiance(n);
+	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
+	return shade_surface_sky(shade_material(diffuse, vec3(0.0), 1.0, 0.0, 0.0), sky, n);
+}
+
+// Of the surface itself, whose vertices may have it.
+vec3 own_even_radiance(vec3 diffuse, vec3 n)
+{
+#ifdef LIT_VERTEX
+	if (lights_sh_vertex)
+		return shade_lambert(diffuse) * vertex_irradiance(n);
+#endif
+	return even_radiance(diffuse, n);
+}
+
+// Sky and ground, or the harmonics, as a lobe of this roughness about a unit direction has them on average. Bands are
+// limited so that no light is negative.
+vec3 sky_mirrored(vec3 toward, float roughness)
+{
+	float exponent = shade_exponent_about_r(shade_exponent_from_alpha(shade_alpha_from_roughness(roughness)));
+	if (lights_sh) {
+		vec3 bands = min(shade_sh_lobe(exponent), push.view.rest.mirrored.xyz);
+		return harmonics_sum(shade_sh_convolve(shade_sh_basis(toward), bands));
+	}
+	return shade_hemisphere_radiance(toward.y, exponent, push.view.rest.sky.xyz, push.view.rest.ground.xyz);
+}
+
+// Sky and ground as a highlight mirrors them.
+vec3 sky_highlight(shade_material material, vec3 n, vec3 v)
+{
+	return material.specular * sky_mirrored(reflect(-v, n), material.roughness);
+}
+
+// LIT_IMAGES: programs of surfaces whose lights have been added up before.
+#ifdef LIT_IMAGES
+#include "deferred/images.glsl"
+#endif
+
+// What its highlight mirrors of the surroundings.
+vec3 own_highlight(shade_material material, vec3 n, vec3 to_camera)
+{
+#ifdef LIT_GLOSS
+	return panorama_highlight(material, n, to_camera);
+#else
+	bool mirrors = lights_gloss && !lights_panorama && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED;
+	return mirrors ? sky_highlight(material, n, to_camera) : vec3(0.0);
+#endif
+}
+
+// LIT_AROUND: programs that draw what surfaces send on of the surroundings' light alone, in two parts.
+#ifdef LIT_AROUND
+layout(location = 1) out vec4 reflection; // behind what they send on evenly
+vec3 around_even = vec3(0.0), around_mirrored = vec3(0.0); // of this pixel
+#endif
 
 // What a surface with the unit normal n sends to the viewer. open: the share of the surroundings' even light that
 // arrives.
 vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 n, vec3 to_camera)
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
-	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
+#ifdef LIT_AROUND
+	material = shade_surface_seen(model, material, dot(n, to_camera));
+	around_even = own_even_radiance(material.diffuse, n) * open;
+	around_mirrored = own_highlight(material, n, to_camera);
+	return vec3(0.0);
+#else
 #ifdef MESH_GBUFFER
-	gbuffer = GbufferSurface(material, n);
+	gbuffer = GbufferSurface(material, n, receives);
 	material = shade_surface_seen(model, material, dot(n, to_camera));
 	vec3 radiance = vec3(0.0);
 #else
 	material = shade_surface_seen(model, material, dot(n, to_camera));
-	vec3 radiance = from_lights(model, material, frame_here(n), to_camera);
+#ifdef LIT_IMAGES
+	vec3 radiance = from_images(material, dot(n, to_camera));
+#else
+	vec3 radiance = from_lights(model, material, frame_here(n), to_camera) + material.diffuse * from_others(n);
+#endif
 #endif
 	if (adds_lights)
 		return radiance;
-	if (lights_panorama)
-		radiance += shade_lambert(material.diffuse) * panorama_irradiance(n) * open;
-	else
-		radiance += shade_surface_sky(material, sky, n) * open;
+	radiance += own_even_radiance(material.diffuse, n) * open;
 	radiance += emission;
-#ifdef LIT_GLOSS
-	radiance += panorama_highlight(material, n, to_camera);
-#else
-	if (lights_gloss && !lights_panorama && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
-		radiance += sky_highlight(material, sky, n, to_camera);
-#endif
+	radiance += own_highlight(material, n, to_camera);
 	return radiance;
+#endif
 }
 
 #ifdef LIT_LAYERS
@@ -315,11 +506,12 @@ bool is_turned_over(vec3 n, vec3 flat_normal, vec3 to_camera)
 	return clear ? along < 0.0 : !gl_FrontFacing;
 }
 
-// The material's index and how the draw fades, which the vertex shader packs into one word.
+// The material's index of the word into which the vertex shader packs it, how the draw fades, and whether it receives
+// shadows.
 uint material_of_word(uint word)
 {
-	bool both = detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW;
-	return both ? word & ((1u << DETAIL_MATERIAL_SHIFT) - 1u) : word;
+	bool more = detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW || lights_shadows;
+	return more ? word & MATERIAL_INDEX : word;
 }
 
 // A colour for each level of detail, lit from the viewer.
@@ -327,19 +519,42 @@ vec3 level_color(uint word, vec3 n, vec3 to_camera)
 {
 	const vec3 colors[7] = vec3[7](vec3(0.9), vec3(0.8, 0.08, 0.05), vec3(0.9, 0.35, 0.03), vec3(0.8, 0.7, 0.05),
 		vec3(0.1, 0.6, 0.1), vec3(0.05, 0.25, 0.85), vec3(0.45, 0.1, 0.75));
-	uint level = word >> DETAIL_MATERIAL_SHIFT;
+	uint level = (word & ~MATERIAL_UNSHADOWED) >> DETAIL_MATERIAL_SHIFT;
 	vec3 color = level == 0u ? vec3(0.25) : level == 1u ? colors[0] : colors[1u + (level - 2u) % 6u];
 	return adds_lights ? vec3(0.0) : color * (0.35 + 0.65 * abs(dot(n, to_camera)));
+}
+
+// What is added up where lights are counted: these, and that the pixel was lit once more.
+vec4 counted_color()
+{
+	return vec4(counted, 1.0, 0.0, 0.0);
 }
 
 // A draw's radiance as the picture has it. material: its index.
 vec4 picture_color(vec3 radiance, uint material)
 {
 	bool black = (drawn == 1u || drawn == 2u) && (material & 1) != drawn - 1;
+#ifdef LIT_AROUND
+	bool none = black || detail_kind == DETAIL_SHOW;
+	reflection = vec4(none ? vec3(0.0) : around_mirrored, 1.0);
+	return vec4(none ? vec3(0.0) : around_even, 1.0);
+#endif
 #ifdef MESH_GBUFFER
 	if (black || detail_kind == DETAIL_SHOW)
 		gbuffer = gbuffer_none();
+#ifdef GBUFFER_SLIM
+	return gbuffer_slim(gbuffer);
+#else
 	gbuffer_write(gbuffer);
+	if (lights_counted)
+		return vec4(0.0, 0.0, 0.0, 1.0);
+#endif
+#elif defined(LIT_IMAGES)
+	if (lights_counted)
+		return vec4(texelFetch(light_image, ivec2(gl_FragCoord.xy), 0).xy, 0.0, 0.0);
+#else
+	if (lights_counted)
+		return counted_color();
 #endif
 	return vec4(black ? vec3(0.0) : radiance, adds_lights ? 0.0 : 1.0);
 }

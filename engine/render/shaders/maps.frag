@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Meshes whose material has a surface (scene/scene_surface.h). MAPS_FUNCTION: that has a function of the program's, too
-// (surface.glsl); MAPS_DEPTH: of these where depth alone is drawn; with MESH_VELOCITY: where velocities are, too.
+// (surface.glsl); MAPS_DEPTH: where depth alone is drawn, of these; with MESH_VELOCITY: where velocities are, too; with
+// MESH_SEEN: and normals and ids, of all.
 #include "surface.glsl"
 #ifdef MAPS_FUNCTION
 #define discard surface_functions_must_not_discard_but_return_alpha_0
@@ -15,6 +16,11 @@
 layout(location = 0) centroid in vec3 world_position;
 layout(location = 23) in vec3 middle_position; // has derivatives also where a triangle covers a part of the pixel
 layout(location = 1) centroid in vec3 world_normal;
+#ifndef MAPS_FUNCTION
+layout(location = 24) centroid in vec3 vertex_even;
+layout(location = 25) centroid in vec3 vertex_odd;
+#define LIT_VERTEX
+#endif
 #ifdef MESH_EXTRAS
 layout(location = 6) centroid in vec3 world_tangent;
 layout(location = 7) flat in float tangent_sign;
@@ -39,8 +45,6 @@ FUNCTION_INPUTS(in)
 #endif
 
 #ifdef MAPS_COVERAGE
-layout(constant_id = 8) const uint samples = 4u; // of a pixel
-
 // The share of the pixel in which alpha is at least the cutoff, as so many of its samples. raw: alpha without the
 // record's factor, which has derivatives.
 int covered_samples(float raw, float factor, float cutoff)
@@ -418,11 +422,14 @@ void main()
 	if (detail_kind == DETAIL_SHOW)
 		radiance = level_color(material_word, surface.normal, to_camera);
 	color = picture_color(radiance, index);
-	if (blends)
+	if (blends && !lights_counted)
 		color *= clamp(surface.alpha, 0.0, 1.0);
 #endif
 #endif
 #ifdef MESH_VELOCITY
 	velocity = velocity_from(last_clip, vec2(push.view.rest.half_width, push.view.rest.half_height));
+#endif
+#ifdef MESH_SEEN
+	seen_write(surface.normal, model_lights);
 #endif
 }

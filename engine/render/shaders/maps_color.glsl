@@ -2,6 +2,7 @@
 #include "maps.glsl"
 
 layout(location = 2) flat in uint material_word; // the material's index, and above it how the draw fades
+layout(location = 2, component = 1) flat in uint model_lights;
 MAPS_PLACES(in)
 #ifdef MESH_EXTRAS
 layout(location = 5) centroid in vec4 surface_color;

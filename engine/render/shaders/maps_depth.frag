@@ -11,8 +11,7 @@ layout(location = 4) in vec3 last_clip;
 
 void main()
 {
-	uint both = detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW ? (1u << DETAIL_MATERIAL_SHIFT) - 1u : ~0u;
-	uint record = push.materials.materials[material_word & both].ids.y;
+	uint record = push.materials.materials[material_word & MATERIAL_INDEX].ids.y;
 	float alpha = raw_color(record).w * record_part(record, 0u).w;
 	if (detail_kind == DETAIL_FADE && is_faded_out(material_word))
 		discard;

@@ -5,15 +5,24 @@
 layout(location = 0) centroid in vec3 world_position;
 layout(location = 23) in vec3 middle_position; // has derivatives also where a triangle covers a part of the pixel
 layout(location = 1) centroid in vec3 world_normal;
+layout(location = 24) centroid in vec3 vertex_even;
+layout(location = 25) centroid in vec3 vertex_odd;
 layout(location = 2) flat in uint material_word; // the material's index, and above it how the draw fades
+layout(location = 2, component = 1) flat in uint model_lights;
 
 #ifdef MESH_TEXTURE
 layout(location = 3) centroid in vec2 surface_uv;
 layout(set = 1, binding = 0) uniform sampler2D diffuse_texture;
 #endif
 
+#ifdef MESH_SEEN
+#include "velocity.glsl"
+layout(location = 4) in vec3 last_clip;
+#else
 layout(location = 0) out vec4 color;
+#endif
 
+#define LIT_VERTEX
 #include "lit.glsl"
 #ifdef MESH_CHANNEL
 layout(location = 12) centroid in vec4 channel_uv;
@@ -21,7 +30,7 @@ layout(location = 12) centroid in vec4 channel_uv;
 #endif
 
 // The interpolated normal on the side of the triangle that is seen, and bent towards the viewer.
-vec3 seen_normal(vec3 n, vec3 flat_normal, vec3 to_camera)
+vec3 turned_normal(vec3 n, vec3 flat_normal, vec3 to_camera)
 {
 	return bent_normal(is_turned_over(n, flat_normal, to_camera) ? -n : n, to_camera);
 }
@@ -36,6 +45,7 @@ void main()
 #endif
 	if (detail_kind == DETAIL_FADE && is_faded_out(material_word))
 		discard;
+#ifndef MESH_SEEN
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
 	vec3 diffuse = stored.diffuse_roughness.xyz;
@@ -43,10 +53,15 @@ void main()
 	diffuse *= texel;
 #endif
 	shade_material material = material_here(stored, diffuse, stored.diffuse_roughness.w);
+#endif
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
 	vec3 n = normalize(world_normal);
 	if (both_sides)
-		n = seen_normal(n, flat_normal, to_camera);
+		n = turned_normal(n, flat_normal, to_camera);
+#ifdef MESH_SEEN
+	velocity = velocity_from(last_clip, vec2(push.view.rest.half_width, push.view.rest.half_height));
+	seen_write(n, model_lights);
+#else
 	vec3 emission = !both_sides || gl_FrontFacing ? stored.emission_wrap.xyz : vec3(0.0);
 #ifdef MESH_CHANNEL
 	material = shade_material(diffuse, stored.specular_anisotropy.xyz, stored.diffuse_roughness.w, 0.0, 0.0);
@@ -57,4 +72,5 @@ void main()
 	if (detail_kind == DETAIL_SHOW)
 		radiance = level_color(material_word, n, to_camera);
 	color = picture_color(radiance, index);
+#endif
 }

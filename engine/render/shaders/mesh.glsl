@@ -23,12 +23,36 @@ struct Light {
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Lights { Light lights[]; };
 
-// As render_light_lists: for each cell where its list begins, and one more; then the lists.
+// As render_light_lists: for each cell where its list begins, and one more; then all places of lights, if there are
+// some; then the lists, as far as there is room.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer LightLists {
 	vec4 depth_plane;
-	vec4 slice; // scale, bias
+	vec2 slice; // scale, bias
+	uint room, all;
 	uint words[];
 };
+
+// Of tiles (deferred/tiles.comp): for each where its list begins, and for each where it ends; then the lists.
+layout(buffer_reference, std430, buffer_reference_align = 16) buffer TileLists {
+	vec4 unused[2]; // as LightLists
+	uint words[];
+};
+
+// Of pixels (deferred/indices.comp): the lists of the view; for each pixel eight places of lights, 16 bits each, those
+// that it needs in their order, then LIGHT_INDEX_NONE; LIGHT_INDEX_MORE first: there are more, and its list has them.
+#define LIGHT_INDEX_NONE 0xffffu
+#define LIGHT_INDEX_MORE 0xfffeu
+layout(buffer_reference, std430, buffer_reference_align = 16) buffer LightIndices {
+	LightLists lists;
+	uvec2 padding;
+	uvec4 pixels[];
+};
+
+// Of views whose models have lights of their own (render_combined.h): for each model its word; and the
+// records, of which each has nine parts: four lights; their shares; of the sum's coefficients the first eight of red,
+// green and blue, then the three ninth ones.
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer ModelWords { uint words[]; };
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer ModelLights { uvec4 parts[]; };
 
 // Irradiance by the normal, in latitude and longitude, as render_panorama.table.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Panorama { vec4 table[]; };
@@ -44,13 +68,25 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Ma
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Extras { uvec2 parts[]; };
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer ExtraPlaces { uvec2 places[]; };
 
+// As render_shadow_map.
+struct ShadowMap {
+	vec4 rows[4]; // the world to x and y in texels, depth, w
+	vec4 area;    // left, top, right, bottom, texels; of a directional light where it ends: see shadow_end
+	vec4 rest;    // layer, blend, maps of its light from this one on, half the filter's width
+	// Metres by which surfaces are off: in the map at w = 1; those seen at a distance of 1 from the camera. Texels by
+	// which a lamp's size widens an edge, over the difference of depth between what casts and what gets it. How dark
+	// its shadow is, 1: black.
+	vec4 error;
+};
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer ShadowMaps { ShadowMap maps[]; };
+
 // Where vertices were in the frame before, three numbers each.
 layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer LastVertices { float numbers[]; };
 
 // As render_view_data.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer ViewRest {
 	mat4 view_projection;
-	vec4 sky;
+	vec4 sky; // these two, harmonics and mirrored: of render_ambient
 	vec4 ground;
 	Extras extras;
 	ExtraPlaces extra_places;
@@ -59,7 +95,10 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	float far;                     // the largest w of clip space that surfaces in 8 bits have
 	mat4 last_view_projection;     // of the frame before, for velocities alone
 	LastVertices last_vertices;
+	ShadowMaps shadows;
 	mat4 from_clip; // clip space to the world
+	vec4 harmonics[9];
+	vec4 mirrored; // the share of their bands that highlights have at most
 };
 
 // As render_view_push: what pixels read of a view. Software devices load from a buffer lane by lane, from constants at
@@ -86,7 +125,8 @@ layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Ver
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vertices { vec4 halves[]; };
 #endif
 
-// As render_push.
+// As render_push. MESH_OWN_PUSH: of programs with constants of their own.
+#ifndef MESH_OWN_PUSH
 layout(push_constant, std430) uniform Push {
 	View view;
 	Rows rows;
@@ -101,8 +141,31 @@ Row row_of(uint word)
 	return rows.rows[word & (ROW_FRAME - 1u)];
 }
 
-// Of render_view_lights.bits: velocities are drawn (velocity.glsl).
+// The word of the model that a row draws; 0: it has none.
+uint model_word(Row row)
+{
+	uint model = row.model & ROW_MODEL;
+	return model != 0u ? ModelWords(push.view.lists).words[model - 1u] : 0u;
+}
+#endif
+
+// Of render_view_lights.bits: velocities are drawn (velocity.glsl). And what lights in place of sky, ground and
+// panorama.
 #define LIGHTS_VELOCITY 4096u
+#define LIGHTS_AMBIENT (3u << 21)
+#define LIGHTS_DARK (1u << 21)
+#define LIGHTS_SH_VERTEX (2u << 21)
+#define LIGHTS_SH_PIXEL (3u << 21)
+
+// Likewise: beside velocities normals and ids are drawn.
+#define LIGHTS_SEEN (1u << 29)
+
+// Likewise: models have lights of their own.
+#define LIGHTS_COMBINED 8388608u
+
+// Likewise: maps keep lights from surfaces; besides LIGHTS_DEPTH: such a map is drawn.
+#define LIGHTS_SHADOWS (1u << 30)
+#define LIGHTS_DEPTH 2048u
 
 // What the high bits of a draw's row word mean (render_internal.h, RENDER_DETAIL_SHIFT).
 #define DETAIL_NONE 0u
@@ -110,5 +173,15 @@ Row row_of(uint word)
 #define DETAIL_MORPH 2u
 #define DETAIL_SHOW 3u
 layout(constant_id = 7) const uint detail_kind = DETAIL_NONE;
+layout(constant_id = 8) const uint samples = 1u; // of a pixel: 1 or 4
 #define DETAIL_SHIFT 26
 #define DETAIL_MATERIAL_SHIFT 24 // where they are in the material's index that the fragment shader gets
+#define MATERIAL_INDEX ((1u << DETAIL_MATERIAL_SHIFT) - 1u)
+#define MATERIAL_UNSHADOWED (1u << 31) // above both: the model receives no shadow
+
+// That bit for a draw's row, where the view's lights have shadows.
+uint material_unshadowed(Row row, uint lights_of_view)
+{
+	bool shadows = (lights_of_view & (LIGHTS_SHADOWS | LIGHTS_DEPTH)) == LIGHTS_SHADOWS;
+	return shadows && (row.model & ROW_UNSHADOWED) != 0u ? MATERIAL_UNSHADOWED : 0u;
+}

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "mesh.glsl"
 #include "../../shading/shade_impostor.h"
+#include "../../shading/shade_sh.h"
 
 layout(location = 0) in vec3 position;
 #ifdef MESH_PACKED
@@ -15,7 +16,13 @@ layout(location = 0) centroid out vec3 world_position;
 layout(location = 23) out vec3 middle_position; // in the pixel's middle, also where that is beside the triangle
 layout(location = 1) centroid out vec3 world_normal;
 layout(location = 2) flat out uint material;
+layout(location = 2, component = 1) flat out uint model_lights; // the model's word; of LIGHTS_SEEN 1 + the model
 layout(location = 4) out vec3 last_clip; // x, y, w of where the point was in the frame before; for velocities alone
+#ifndef MESH_FUNCTION // which may return any normal
+// Irradiance at the vertex is the sum of both, from behind their difference; for LIGHTS_SH_VERTEX alone.
+layout(location = 24) centroid out vec3 vertex_even;
+layout(location = 25) centroid out vec3 vertex_odd;
+#endif
 
 layout(constant_id = 6) const uint formula_lights = 0u; // RENDER_FORMULA_LIGHTS
 
@@ -80,16 +87,16 @@ layout(location = 13) centroid out vec3 channel_tangent; // as the transform lea
 FUNCTION_INPUTS(out)
 #endif
 
-#ifdef MESH_EXTRAS
-layout(location = 5) centroid out vec4 surface_color;
-layout(location = 6) centroid out vec3 world_tangent; // on the side of the normal that winding makes, as world_normal
-layout(location = 7) flat out float tangent_sign;     // of the bitangent; 0: there is no tangent
-
 vec3 unit_or_zero(vec3 v)
 {
 	float square = dot(v, v);
 	return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
 }
+
+#ifdef MESH_EXTRAS
+layout(location = 5) centroid out vec4 surface_color;
+layout(location = 6) centroid out vec3 world_tangent; // on the side of the normal that winding makes, as world_normal
+layout(location = 7) flat out float tangent_sign;     // of the bitangent; 0: there is no tangent
 
 // Hands on the vertex's extra, which does not morph, but for the second uv, which it returns. x, y, z: rows of the
 // matrix of the model.
@@ -109,6 +116,20 @@ vec2 write_extra(uint mesh, vec3 x, vec3 y, vec3 z)
 #endif
 	surface_color = vec4(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y));
 	return uintBitsToFloat(uv_bits);
+}
+#endif
+
+#ifndef MESH_FUNCTION
+// Sums the nine harmonics at this unit normal: bands 0 and 2, which are the same from behind, and band 1.
+void write_irradiance(vec3 n)
+{
+	shade_sh weights = shade_sh_convolve_cosine(shade_sh_basis(n));
+	vertex_even = push.view.rest.harmonics[0].xyz * weights.c[0];
+	for (int i = 4; i < 9; i++)
+		vertex_even += push.view.rest.harmonics[i].xyz * weights.c[i];
+	vertex_odd = vec3(0.0);
+	for (int i = 1; i < 4; i++)
+		vertex_odd += push.view.rest.harmonics[i].xyz * weights.c[i];
 }
 #endif
 
@@ -194,7 +215,10 @@ void main()
 	vec2 second = vec2(0.0);
 #endif
 
-	material = row.material;
+	material = row.material | material_unshadowed(row, formula_lights);
+	model_lights = (formula_lights & LIGHTS_SEEN) != 0u ? row.model & ROW_MODEL
+		: (formula_lights & LIGHTS_COMBINED) != 0u ? model_word(row)
+		                                              : 0u;
 	if (detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW)
 		material |= detail << DETAIL_MATERIAL_SHIFT;
 #ifdef MESH_MAPS
@@ -223,6 +247,10 @@ void main()
 		function_parameters[i] = record_part(record, 42u + i);
 	function_color = record_part(record, 0u);
 	function_view = vec4(push.view.camera_position.xyz, push.view.rest.time);
+#endif
+#ifndef MESH_FUNCTION
+	if ((formula_lights & LIGHTS_AMBIENT) == LIGHTS_SH_VERTEX)
+		write_irradiance(unit_or_zero(world_normal));
 #endif
 	gl_Position = push.view.rest.view_projection * vec4(world_position, 1.0);
 	if ((formula_lights & LIGHTS_VELOCITY) != 0u)

@@ -7,8 +7,10 @@ struct Row {
 	uint material;
 	uint mesh; // where the vertices have extras
 	uint last; // 1 + the row, of the frame's, that has where it was in the frame before; 0: it has not moved
-	uint unused;
+	uint model; // in ROW_MODEL 1 + the scene's, 0: it is drawn by hand; in the bits above its STILB_SCENE_MODEL_...
 };
+#define ROW_MODEL 0xffffffu
+#define ROW_UNSHADOWED (4u << 24) // STILB_SCENE_MODEL_RECEIVES_NO_SHADOW
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Rows { Row rows[]; };
 

@@ -1,8 +1,8 @@
 // What is seen through a surface: the picture so far, or the surroundings. Inside of layers_around.glsl.
 #ifdef LIT_GLOSS
-layout(set = 0, binding = 3) uniform sampler2D behind;
+layout(set = 0, binding = 4) uniform sampler2D behind;
 #else
-layout(set = 0, binding = 0) uniform sampler2D behind;
+layout(set = 0, binding = 1) uniform sampler2D behind;
 #endif
 
 // The image behind.frag and behind_half.frag make, between four times four texels of a mip by the cubic B-spline, which
@@ -26,8 +26,7 @@ vec3 through_around(vec3 toward, float roughness)
 #else
 	if (lights_panorama)
 		return panorama_irradiance(toward) / SHADE_PI;
-	float exponent = shade_exponent_about_r(shade_exponent_from_alpha(shade_alpha_from_roughness(roughness)));
-	return shade_hemisphere_radiance(toward.y, exponent, push.view.rest.sky.xyz, push.view.rest.ground.xyz);
+	return sky_mirrored(toward, roughness);
 #endif
 }
 

@@ -35,6 +35,8 @@ vec3 dithered(vec3 shown)
 // RENDER_TONE_DATA and RENDER_TONE_COUNT, of channels in the place of light (scene_channel.h).
 const int TONE_DATA = SHADE_TONE_COUNT;
 const int TONE_COUNTED = SHADE_TONE_COUNT + 1;
+const int TONE_LIGHTS = SHADE_TONE_COUNT + 2; // by powers of two
+const int TONE_ERROR = SHADE_TONE_COUNT + 3; // likewise; 1 is a 16th of 1/255 of display white
 
 // The light whose sRGB code is the value.
 vec3 light_of_data(vec3 value)
@@ -71,8 +73,10 @@ void main()
 		return;
 	}
 	vec3 straight = texel.rgb * (push.exposure / max(texel.a, 1e-6));
+	float count = tone == TONE_ERROR ? max(straight.r, max(straight.g, straight.b)) * (16.0 * 255.0) : straight.r;
 	vec3 shown = tone == TONE_DATA      ? light_of_data(straight)
 	             : tone == TONE_COUNTED ? light_of_count(straight.r)
+	             : tone >= TONE_LIGHTS  ? light_of_count(count < 1.0 ? count : 1.0 + log2(count))
 	                                    : shade_tone(tone, straight);
 	if (push.dither != 0u)
 		shown = dithered(shown);

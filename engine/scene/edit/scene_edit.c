@@ -255,6 +255,7 @@ static bool edit_reserve_model(stilb_scene *scene, uint32_t part_count)
 		{(void **)&scene->moved, sizeof(uint32_t), 0},
 		{(void **)&edits->models, sizeof *edits->models, 0},
 		{(void **)&scene->model_node, sizeof(uint32_t), 0},
+		{(void **)&scene->model_flags, sizeof(uint8_t), 0},
 	};
 	edit_array parts[] = {
 		{(void **)&scene->part_mesh, sizeof(uint32_t), 0},
@@ -317,6 +318,7 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 	edits->models[model].hidden = false;
 	edits->models[model].measured = 0;
 	edits->models[model].figure = 0;
+	scene->model_flags[model] = 0;
 	scene->revisions.models++;
 	edit_set_bounds(scene, model, sphere);
 	*id = model;
@@ -439,6 +441,22 @@ stilb_result stilb_scene_show_model(stilb_scene *scene, uint32_t id, bool shown)
 	scene->bounds.radius[id] = shown ? scene->edits->models[id].radius : (float)NAN;
 	scene_edit_moved(scene, id);
 	scene->revisions.places++;
+	return STILB_OK;
+}
+
+stilb_result stilb_scene_set_model_flags(stilb_scene *scene, uint32_t id, uint32_t flags)
+{
+	stilb_result result = edit_find_model(scene, id);
+	if (result == STILB_OK && flags > STILB_SCENE_MODEL_FLAGS)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "model %u: its flags are %u; STILB_SCENE_MODEL_FLAGS, %u, are all "
+		                  "there are",
+		                  id, flags, STILB_SCENE_MODEL_FLAGS);
+	if (result != STILB_OK || scene->model_flags[id] == flags)
+		return result;
+	scene_set_model_flags(scene, id, flags);
+	scene_edit_moved(scene, id);
+	scene->revisions.models++;
 	return STILB_OK;
 }
 

@@ -66,6 +66,10 @@ stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part
 /* Shows or hides a model. It may be moved while it is hidden. */
 stilb_result stilb_scene_show_model(stilb_scene *scene, uint32_t id, bool shown);
 
+/* Gives a model its flags, STILB_SCENE_MODEL_..., in place of those it had; one that is added has none. Frames follow
+ * at no cost; stilb_gi_scene_update builds all of its tree anew. */
+stilb_result stilb_scene_set_model_flags(stilb_scene *scene, uint32_t id, uint32_t flags);
+
 /* ---- meshes, materials, textures ---------------------------------------------------------------------------------
  * What is passed in is copied, and must be what scene_build.h says of its like. */
 

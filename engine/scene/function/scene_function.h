@@ -50,7 +50,7 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
-#define STILB_SCENE_FUNCTION_CODES 32u
+#define STILB_SCENE_FUNCTION_CODES 36u
 #define STILB_SCENE_FUNCTION_NAME 63u /* bytes of a name at most */
 #define STILB_SCENE_FUNCTION_CODE_BYTES (1u << 24)
 #define STILB_SCENE_MAX_FUNCTIONS 1023u /* of a scene */

@@ -29,6 +29,8 @@ static const struct importer_loss_words {
 	[IMPORTER_LOSS_REPEATS] = {"animations stand still before and behind their keys, and do not go on there",
                                "animation"},
 	[IMPORTER_LOSS_MESH_FRAMES] = {"animations that replace meshes are not shown", "animation"},
+	[IMPORTER_LOSS_EXTRAS] = {"seen, castShadow and receiveShadow of extras count where they are true or false",
+                              "node"},
 	[IMPORTER_LOSS_SCENES] = {"scenes besides the one that is shown", "scene"},
 	[IMPORTER_LOSS_CAMERAS] = {"cameras that are not perspective are left out", "camera"},
 	[IMPORTER_LOSS_FALLOFFS] = {"lights fade with the square of the distance, not as the file says", "light"},

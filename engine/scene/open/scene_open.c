@@ -2,6 +2,7 @@
 #include "profiler/prof.h"
 #include "scene/open/scene_builtin.h"
 #include "scene/open/scene_import.h"
+#include "scene/open/scene_lights_file.h"
 #include "scene/play/scene_play_internal.h"
 #include "scene/scene_internal.h"
 #include "shading/shade_tonemap.h"
@@ -69,6 +70,8 @@ static stilb_result scene_open_file(const char *path, const stilb_scene_open_opt
 	stilb_result result = scene_import_within(path, &limits, scene);
 	if (result == STILB_OK)
 		result = scene_open_figures(*scene);
+	if (result == STILB_OK)
+		result = scene_lights_open(*scene, path, options->quiet, options->opened, options->user);
 	if (result != STILB_OK) {
 		stilb_scene_destroy(*scene);
 		*scene = NULL;

@@ -274,17 +274,37 @@ static stilb_result stream_get_nodes(scene_stream *stream, stilb_scene *scene)
 	return STILB_OK;
 }
 
+static bool stream_put_flags(int file, const stilb_scene *scene)
+{
+	return scene_stream_put(file, scene->model_flags, scene->model_count * sizeof *scene->model_flags);
+}
+
+static stilb_result stream_get_flags(scene_stream *stream, stilb_scene *scene)
+{
+	if (!scene_stream_get(stream, scene->model_flags, scene->model_count * sizeof *scene->model_flags))
+		return scene_stream_broken(stream);
+	for (uint32_t m = 0; m < scene->model_count; m++) {
+		if (scene->model_flags[m] > STILB_SCENE_MODEL_FLAGS)
+			return scene_stream_wrong("models");
+		scene->flags_used |= scene->model_flags[m];
+	}
+	return STILB_OK;
+}
+
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
 bool scene_stream_write_rest(int file, const stilb_scene *scene)
 {
-	return stream_put_nodes(file, scene) && stream_put_variants(file, scene->variants) &&
-	       stream_put_names(file, &scene->names) && stream_put_animation(file, scene);
+	return stream_put_nodes(file, scene) && stream_put_flags(file, scene) &&
+	       stream_put_variants(file, scene->variants) && stream_put_names(file, &scene->names) &&
+	       stream_put_animation(file, scene);
 }
 
 stilb_result scene_stream_read_rest(scene_stream *stream, stilb_scene *scene)
 {
 	stilb_result result = stream_get_nodes(stream, scene);
+	if (result == STILB_OK)
+		result = stream_get_flags(stream, scene);
 	if (result == STILB_OK)
 		result = stream_get_variants(stream, scene);
 	if (result == STILB_OK)

@@ -174,7 +174,8 @@ void stilb_scene_stress_set_light(stilb_scene *scene, stilb_scene_stress_light l
 		scene->surroundings.ground[c] = day * stress_ground[c];
 	}
 	scene->lights[0] = lights[light];
-	scene->light_count = scene->stress_lamps > 0 ? 1 + scene->stress_lamps : !none;
+	uint32_t lamps = scene->stress_lamps + scene->stress_carried;
+	scene->light_count = lamps > 0 ? 1 + lamps : !none;
 	scene->surroundings.glossy = light == STILB_SCENE_STRESS_LIGHT_HEMISPHERE;
 }
 

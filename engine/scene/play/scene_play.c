@@ -583,6 +583,7 @@ static stilb_result play_add_model(stilb_scene *scene, uint32_t index, uint32_t 
 	play_figure *figure = &all->figures[index];
 	figure->models[at] = model;
 	scene->edits->models[model].figure = index + 1;
+	scene_set_model_flags(scene, model, scene->model_flags[from]);
 	uint32_t hangs = scene->model_node[from], on = figure->nodes[n];
 	if (scene_play_is_skinned(scene, n))
 		return stilb_scene_attach_model(scene, model, figure->place);

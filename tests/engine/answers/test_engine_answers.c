@@ -1,5 +1,5 @@
 /* Materials as files mean them, the same in both renderers: on each of the known answers (gltf_answers.c) a frame
- * without shadows equals rays with `--integrator direct --no-shadows`, and what --show shows of it is the same.
+ * without shadows equals rays with `--integrator direct --shadows off`, and what --show shows of it is the same.
  * A frame is drawn FINE times as large along each side, and the mean of its pixels compared. With
  * STILB_TRUTH_PICTURES=FOLDER in the environment the pictures and their difference, times 20, are written there; with
  * STILB_TRUTH_ANSWER=TEXT only answers with TEXT in their name are compared. */

@@ -1,5 +1,5 @@
 /* Files of other people, the same in both renderers: every file in the folder glTF2 of Debian's package
- * assimp-testmodels that opens is drawn by frames and by rays (`--integrator direct --no-shadows`), under a
+ * assimp-testmodels that opens is drawn by frames and by rays (`--integrator direct --shadows off`), under a
  * directional light, and held to the bounds of docs/materials.md; every other one is refused with the line that is
  * listed here. With STILB_TRUTH_PICTURES=FOLDER in the environment frame, rays and their difference, times 20, are
  * written there; with STILB_TRUTH_FILE=TEXT only files with TEXT in their path are read. */

@@ -1,5 +1,5 @@
 /* Layers of materials, the same in both renderers: grids of balls, five roughnesses by five strengths of a layer, under
- * lights and under a panorama. Frames without shadows are held against rays with `--integrator direct --no-shadows` by
+ * lights and under a panorama. Frames without shadows are held against rays with `--integrator direct --shadows off` by
  * Khronos' decibels (image_compare.h). With STILB_TRUTH_PICTURES=FOLDER in the environment both pictures and their
  * difference, times 5, are written there. */
 #include "engine.h"

@@ -5,6 +5,7 @@
 #include "render/maps/maps_stage.h"
 #include "render/render_dump_format.h"
 #include "scene/edit/scene_edit.h"
+#include "shading/shade_impostor.h"
 
 #include "identity.surface.h"
 #include "probe.surface.h"
@@ -318,6 +319,41 @@ static void masks_by_functions(void **state)
 			bool there = !masked || stripe_is_there(i % STAGE_SIDE, 0.25);
 			uint32_t size = ((const uint16_t *)bytes)[2 * i] & 0x7fffu;
 			assert_true(there ? size > 0x3800 : size < 0x1400); /* half a pixel; a thousandth */
+		}
+		stilb_gpu_read_end(gpu, ticket);
+		stage_close(&s);
+	}
+}
+
+/* Frames leave the normal that the function says, of what its alpha leaves; with layers and without. */
+static void normals_that_frames_leave(void **state)
+{
+	(void)state;
+	static const double want[3] = {0.0, 0.5, -0.8660254};
+	for (int layers = 0; layers < 2; layers++) {
+		stage s = stage_open((stilb_render_desc){0}, 0);
+		square q;
+		square_make(&q, 1.0f);
+		stilb_scene_surface surface = probed(surface_matt(), PROBE_NORMAL, 0, 3 * 0.5f, -3 * 0.8660254f);
+		surface.clearcoat = layers ? 0.5f : 0.0f;
+		show_probe(&s, &q, &surface);
+		stilb_mat4 last = s.view.view_projection;
+		s.view.last = &last;
+		s.view.surfaces = true;
+		stage_frame(&s);
+		stilb_gpu *gpu = stilb_render_gpu(s.render);
+		const stilb_gpu_plan *plan = stilb_render_plan(s.render);
+		uint16_t image = stilb_gpu_plan_find(plan, "surface normal");
+		uint64_t ticket, frame;
+		const void *bytes;
+		assert_int_equal(stilb_gpu_read_begin(gpu, plan, image, 0, 0, &ticket), STILB_OK);
+		assert_int_equal(stilb_gpu_read_get(gpu, ticket, true, &bytes, &frame), STILB_OK);
+		for (uint32_t i = 0; i < STAGE_SIDE * STAGE_SIDE; i++) {
+			const uint16_t *place = (const uint16_t *)bytes + 2 * (size_t)i;
+			stilb_vec3 n = shade_direction_from_octahedral(
+				(stilb_vec2){(float)place[0] / 32767.5f - 1.0f, (float)place[1] / 32767.5f - 1.0f});
+			for (int c = 0; c < 3; c++)
+				assert_near("a normal", (double)n[c], want[c], 1e-4);
 		}
 		stilb_gpu_read_end(gpu, ticket);
 		stage_close(&s);
@@ -710,13 +746,14 @@ static void other_interfaces_are_refused(void **state)
 		uint32_t place, code;
 		const char *reason;
 	} cases[] = {
-		{0, 24, "writes other colours"}, /* of depth alone where colour is */
-		{24, 0, "writes other colours"}, /* and the other way round */
-		{0, 1, "reads location"},        /* extras that the mesh has not */
-		{20, 8, "binding 5 of set 1"},   /* layers in a channel */
-		{0, 4, "binding 0 of set 0"},    /* a panorama that is not there */
-		{8, 16, "binding 0 of set 0"},   /* what is behind */
-		{16, 18, "binding 1 of set 0"},  /* both */
+		{0, 24, "writes other colours"},  /* of depth alone where colour is */
+		{24, 28, "writes other colours"}, /* and the other way round */
+		{24, 0, "binding 0 of set 0"},    /* shadow maps that are not there */
+		{0, 1, "reads location"},         /* extras that the mesh has not */
+		{0, 8, "binding 5 of set 1"},     /* layers where there are none */
+		{0, 4, "binding 1 of set 0"},     /* a panorama that is not there */
+		{8, 16, "binding 1 of set 0"},    /* what is behind */
+		{16, 18, "binding 2 of set 0"},   /* both */
 	};
 	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
 		stilb_scene_function broken = probe;
@@ -872,13 +909,14 @@ int main(void)
 	if (reference_no_driver())
 		return 77;
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(functions_change_members), cmocka_unit_test(functions_are_given_places),
-		cmocka_unit_test(functions_are_given_maps), cmocka_unit_test(channels_show_what_functions_make),
-		cmocka_unit_test(time_and_parameters),      cmocka_unit_test(masks_by_functions),
-		cmocka_unit_test(alpha_with_samples),       cmocka_unit_test(functions_come_and_go),
-		cmocka_unit_test(functions_batch),          cmocka_unit_test(renderers_share_a_scene),
-		cmocka_unit_test(broken_code_is_refused),   cmocka_unit_test(other_interfaces_are_refused),
-		cmocka_unit_test(dumps_hold_functions),     cmocka_unit_test(identity_keeps_bits),
+		cmocka_unit_test(functions_change_members),     cmocka_unit_test(functions_are_given_places),
+		cmocka_unit_test(functions_are_given_maps),     cmocka_unit_test(channels_show_what_functions_make),
+		cmocka_unit_test(time_and_parameters),          cmocka_unit_test(masks_by_functions),
+		cmocka_unit_test(normals_that_frames_leave),    cmocka_unit_test(alpha_with_samples),
+		cmocka_unit_test(functions_come_and_go),        cmocka_unit_test(functions_batch),
+		cmocka_unit_test(renderers_share_a_scene),      cmocka_unit_test(broken_code_is_refused),
+		cmocka_unit_test(other_interfaces_are_refused), cmocka_unit_test(dumps_hold_functions),
+		cmocka_unit_test(identity_keeps_bits),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -104,7 +104,7 @@ static void edit(stilb_scene *scene, uint64_t *random)
 	uint32_t node = roll_below(random, NODES);
 	stilb_mat4 places[3] = {roll_place(random), roll_place(random), roll_place(random)};
 	stilb_scene_pose pose = roll_pose(random);
-	switch (roll_below(random, 14)) {
+	switch (roll_below(random, 15)) {
 	case 0:
 	case 1:
 		stilb_scene_set_transform(scene, model, &places[0]);
@@ -141,6 +141,9 @@ static void edit(stilb_scene *scene, uint64_t *random)
 		break;
 	case 12:
 		assert_int_equal(stilb_scene_show_variant(scene, roll_below(random, VARIANTS + 1)), STILB_OK);
+		break;
+	case 13:
+		stilb_scene_set_model_flags(scene, model, roll_below(random, STILB_SCENE_MODEL_FLAGS + 1));
 		break;
 	default:
 		if (!isnan(scene->bounds.radius[model]))
@@ -217,6 +220,8 @@ static void check_rows(const stilb_render *render, const stilb_scene *scene)
 			for (int i = 0; i < 12; i++)
 				assert_true(row->transform[i] == scene->part_transform[p].m[i % 4 * 4 + i / 4]);
 			assert_true(row->material == (render->scene.materials[scene->part_material[p]].id & RENDER_INDEX_MASK));
+			assert_int_equal(row->model & 0xffffffu, 1 + ids[model]);
+			assert_int_equal(row->model >> 24, scene->model_flags[ids[model]]);
 			assert_true(row->mesh == (render->scene.meshes[scene->part_mesh[p]].id & RENDER_INDEX_MASK));
 			if (p + 1 == scene->first_part[ids[model] + 1]) {
 				model++;

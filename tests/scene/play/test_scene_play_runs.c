@@ -144,6 +144,23 @@ static void figures_stand_where_they_are_put(void **state)
 	}
 }
 
+/* The models of a figure have the flags of the file's. */
+static void figures_have_the_flags_of_the_file(void **state)
+{
+	(void)state;
+	moving_write(&files[0], 600);
+	stilb_scene *scene = open_scene();
+	stilb_scene_pose place = stilb_scene_pose_identity();
+	uint32_t count = scene->model_count, figure;
+	for (uint32_t m = 0; m < count; m++)
+		assert_int_equal(stilb_scene_set_model_flags(scene, m, STILB_SCENE_MODEL_CASTS_NO_SHADOW), STILB_OK);
+	assert_int_equal(stilb_scene_add_figure(scene, &place, &figure), STILB_OK);
+	assert_true(scene->model_count > count);
+	for (uint32_t m = count; m < scene->model_count; m++)
+		assert_int_equal(scene->model_flags[m], STILB_SCENE_MODEL_CASTS_NO_SHADOW);
+	stilb_scene_destroy(scene);
+}
+
 /* Wherever a figure stands, 10 km away too, and whoever moves it, its meshes have the bits that figure 0's have. */
 static void places_change_no_bit_of_a_shape(void **state)
 {
@@ -582,6 +599,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pauses_and_steps_equal_running),
 		cmocka_unit_test(figures_stand_where_they_are_put),
+		cmocka_unit_test(figures_have_the_flags_of_the_file),
 		cmocka_unit_test(places_change_no_bit_of_a_shape),
 		cmocka_unit_test(joints_can_hang_elsewhere),
 		cmocka_unit_test(clips_move_what_hangs_elsewhere),

@@ -31,8 +31,11 @@
 	X(14, shade_surface_light, 1e-4f, 1e-4f)                                                                           \
 	X(15, shade_diffuse_left, 1e-4f, 1e-5f)                                                                            \
 	X(16, shade_brdf_diffuse_left, 1e-4f, 1e-5f)                                                                       \
-	X(17, shade_surface_seen, 1e-4f, 1e-5f)
-#define SHADE_CASES_BRDF_COUNT 18
+	X(17, shade_surface_seen, 1e-4f, 1e-5f)                                                                            \
+	X(18, shade_d_peak, 1e-4f, 1e-5f)                                                                                  \
+	X(19, shade_v_peak, 1e-4f, 1e-5f)                                                                                  \
+	X(20, shade_brdf_peak, 1e-4f, 1e-5f)
+#define SHADE_CASES_BRDF_COUNT 21
 
 /* A surface under one light, by parts. */
 SHADE_FN vec4 shade_case_surface(int row, shade_brdf_model model, shade_material material, shade_frame frame, vec3 l,
@@ -81,6 +84,14 @@ SHADE_FN vec4 shade_case_brdf_model(int row, vec4 a, vec4 b)
 		return vec4(shade_microfacet_cos(model, p, frame, shade_angles_of(n, l, v), l, v), 0.0f);
 	shade_reflectance share = shade_limit_to_one(vec3(a), vec3(b));
 	shade_material material = {share.diffuse, share.specular, p.roughness, p.anisotropy, p.wrap};
+	float roughness = shade_case_range(b[3], 0.1f, 1.0f);
+	shade_alphas alphas = shade_alphas_from_anisotropy(shade_alpha_from_roughness(roughness), p.anisotropy);
+	if (row == 18)
+		return vec4(shade_d_peak(model.ndf, alphas), 0.0f, 0.0f, 0.0f);
+	if (row == 19)
+		return vec4(shade_v_peak(model.g, alphas), 0.0f, 0.0f, 0.0f);
+	if (row == 20)
+		return vec4(shade_brdf_peak(model, roughness, p.anisotropy), 0.0f, 0.0f, 0.0f);
 	if (row == 16)
 		return vec4(shade_brdf_diffuse_left(model, a[2], b[3]), 0.0f, 0.0f, 0.0f);
 	if (row == 17)

@@ -1,4 +1,4 @@
-/* cases_sh: spherical harmonics and luminance as rows: calls in which C and GPU are compared
+/* cases_sh: spherical harmonics, luminance and colours of glowing bodies as rows: calls in which C and GPU are compared
  * (README.md). [any-thread] */
 #ifndef SHADE_CASES_SH_H
 #define SHADE_CASES_SH_H
@@ -34,8 +34,10 @@
 	X(21, shade_sh_rgb_window, 1e-5f, 1e-6f)                                                                           \
 	X(22, shade_sh_rgb_rotate, 1e-5f, 1e-6f)                                                                           \
 	X(23, shade_sh_dominant_light_irradiance, 1e-5f, 1e-6f)                                                            \
-	X(24, shade_sh_dominant_light_ambient, 1e-5f, 1e-6f)
-#define SHADE_CASES_SH_COUNT 25
+	X(24, shade_sh_dominant_light_ambient, 1e-5f, 1e-6f)                                                               \
+	X(25, shade_sh_lobe, 1e-5f, 1e-6f)                                                                                 \
+	X(26, shade_color_of_temperature, 1e-4f, 1e-5f)
+#define SHADE_CASES_SH_COUNT 27
 
 /* Four numbers that see all nine coefficients of f. */
 SHADE_FN vec4 shade_case_sh_seen(shade_sh f)
@@ -89,6 +91,8 @@ SHADE_FN vec4 shade_case_sh(int row, vec4 a, vec4 b)
 	shade_sh f = shade_case_sh_light(a, b).g;
 	if (row == 0)
 		return vec4(shade_luminance(vec3(a)), shade_luminance(vec3(b)), 0.0f, 0.0f);
+	if (row == 26)
+		return vec4(shade_color_of_temperature(shade_case_range(a[0], 900.0f, 16000.0f)), 0.0f);
 	if (row == 1)
 		return vec4(basis.c[0], basis.c[1], basis.c[2], basis.c[3]);
 	if (row == 2)
@@ -119,6 +123,8 @@ SHADE_FN vec4 shade_case_sh(int row, vec4 a, vec4 b)
 		return vec4(shade_sh_dominant_direction(f), 0.0f);
 	if (row == 15)
 		return vec4(shade_sh_dominant_irradiance(f, d), 0.0f, 0.0f, 0.0f);
+	if (row == 25)
+		return vec4(shade_sh_lobe(100.0f * b[0]), shade_sh_lobe(b[1])[1]);
 	return shade_case_sh_rgb(row, a, b);
 }
 

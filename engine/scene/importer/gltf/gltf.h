@@ -1,7 +1,7 @@
 /*
  * gltf: reads files of glTF 2.0, .gltf and .glb, in the import process. Our own reader, for what Assimp and tinygltf
  * refuse or lose: sparse accessors of every kind, compressed meshes, uv sets, transforms of textures, instances. It
- * goes over the JSON where it lies (gltf_json.h); vertices are converted from the file's bytes straight into the
+ * goes over the JSON where it lies (scene_json.h); vertices are converted from the file's bytes straight into the
  * scene's, and only those that a triangle of the shown scene uses.
  *
  * Sources: the glTF 2.0 specification and the extensions of Khronos' registry that gltf_extensions.c lists.
@@ -16,9 +16,11 @@
 #ifndef STILB_SCENE_GLTF_H
 #define STILB_SCENE_GLTF_H
 
-#include "scene/importer/gltf/gltf_json.h"
 #include "scene/importer/importer.h"
+#include "scene/open/scene_json.h"
 #include "scene/scene_animation_internal.h"
+
+#define GLTF_NONE SCENE_JSON_NONE /* no token, no index */
 
 /* The arrays of a file's JSON whose values others name by their index: X(name in C, key). */
 #define GLTF_LISTS(X)                                                                                                  \
@@ -90,7 +92,7 @@ typedef struct gltf_parts {
 
 typedef struct gltf {
 	importer *import;
-	gltf_json json;
+	scene_json json;
 	gltf_list lists[GLTF_LIST_COUNT];
 	importer_bytes binary; /* the binary part of a .glb, inside of the file's bytes; {0}: none */
 	uint64_t bytes;        /* of the file and its buffers together */

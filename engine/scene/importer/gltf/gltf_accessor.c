@@ -29,9 +29,9 @@ static uint32_t accessor_components(gltf *from, uint32_t item)
 		const char *name;
 		uint32_t components;
 	} kinds[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
-	uint32_t token = gltf_json_member(&from->json, item, "type");
+	uint32_t token = scene_json_member(&from->json, item, "type");
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-		if (gltf_json_is(&from->json, token, kinds[i].name))
+		if (scene_json_is(&from->json, token, kinds[i].name))
 			return kinds[i].components;
 	return 0;
 }
@@ -43,9 +43,9 @@ static stilb_result accessor_range(gltf *from, uint32_t index, uint32_t object, 
 {
 	const gltf_view *view;
 	uint32_t number = gltf_reference(from, object, "bufferView", GLTF_VIEWS);
-	uint64_t offset = gltf_json_size(&from->json, object, "byteOffset", 0);
+	uint64_t offset = scene_json_size(&from->json, object, "byteOffset", 0);
 	if (from->json.fault[0] || number == GLTF_NONE)
-		return from->json.fault[0] ? gltf_json_check(&from->json)
+		return from->json.fault[0] ? scene_json_check(&from->json)
 		                           : stilb_fail(STILB_ERROR_FILE, "accessor %u names no buffer view", index);
 	stilb_result result = gltf_view_use(from, number, &view);
 	if (result != STILB_OK)
@@ -73,13 +73,13 @@ static stilb_result accessor_place(uint32_t index, const gltf_accessor *places, 
 /* Replaces the accessor's data by a copy in floats, with the elements that `sparse` replaces. */
 static stilb_result accessor_make_dense(gltf *from, uint32_t index, uint32_t sparse, gltf_accessor *accessor)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	gltf_accessor places = {.components = 1}, values = *accessor;
-	uint32_t where = gltf_json_member(json, sparse, "indices"), what = gltf_json_member(json, sparse, "values");
-	uint64_t count = gltf_json_size(json, sparse, "count", 0), type = gltf_json_size(json, where, "componentType", 0);
+	uint32_t where = scene_json_member(json, sparse, "indices"), what = scene_json_member(json, sparse, "values");
+	uint64_t count = scene_json_size(json, sparse, "count", 0), type = scene_json_size(json, where, "componentType", 0);
 	uint32_t bytes = accessor_bytes(type), size = accessor->components;
 	if (json->fault[0])
-		return gltf_json_check(json);
+		return scene_json_check(json);
 	if (where == GLTF_NONE || what == GLTF_NONE || bytes == 0 || type == GLTF_FLOAT || count > accessor->count)
 		return stilb_fail(STILB_ERROR_FILE, "accessor %u is sparse without sound indices and values", index);
 	places.type = (uint32_t)type;
@@ -110,18 +110,18 @@ static stilb_result accessor_make_dense(gltf *from, uint32_t index, uint32_t spa
 stilb_result gltf_accessor_open(gltf *from, uint32_t index, uint32_t components, gltf_accessor *accessor)
 {
 	STILB_ASSERT(index < from->lists[GLTF_ACCESSORS].count);
-	gltf_json *json = &from->json;
-	uint32_t item = from->lists[GLTF_ACCESSORS].items[index], sparse = gltf_json_member(json, item, "sparse");
-	uint64_t type = gltf_json_size(json, item, "componentType", 0);
+	scene_json *json = &from->json;
+	uint32_t item = from->lists[GLTF_ACCESSORS].items[index], sparse = scene_json_member(json, item, "sparse");
+	uint64_t type = scene_json_size(json, item, "componentType", 0);
 	gltf_accessor made = {
-		.count = gltf_json_size(json, item, "count", 0),
+		.count = scene_json_size(json, item, "count", 0),
 		.components = accessor_components(from, item),
 		.type = (uint32_t)type,
-		.normalized = gltf_json_bool(json, item, "normalized", false),
+		.normalized = scene_json_bool(json, item, "normalized", false),
 	};
 	*accessor = (gltf_accessor){0};
 	if (json->fault[0])
-		return gltf_json_check(json);
+		return scene_json_check(json);
 	if (accessor_bytes(type) == 0 || made.components == 0)
 		return stilb_fail(STILB_ERROR_FILE, "accessor %u has no known type", index);
 	if (!(components >> (made.components - 1) & 1))
@@ -130,7 +130,7 @@ stilb_result gltf_accessor_open(gltf *from, uint32_t index, uint32_t components,
 	if (made.count > ACCESSOR_MOST)
 		return stilb_fail(STILB_ERROR_FILE, "accessor %u has %llu elements; %llu is the most", index,
 		                  (unsigned long long)made.count, ACCESSOR_MOST);
-	bool empty = gltf_json_member(json, item, "bufferView") == GLTF_NONE;
+	bool empty = scene_json_member(json, item, "bufferView") == GLTF_NONE;
 	if (empty && made.count > ACCESSOR_EMPTY_MOST && made.count / ACCESSOR_EMPTY_TIMES > from->bytes)
 		return stilb_fail(STILB_ERROR_FILE, "accessor %u has %llu elements without data, in a file of %llu bytes",
 		                  index, (unsigned long long)made.count, (unsigned long long)from->bytes);

@@ -64,7 +64,7 @@ static stilb_result animation_add_weights(animation_reader *reader, uint32_t ite
                                           stilb_scene_rest *node)
 {
 	gltf *from = reader->from;
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	stilb_scene_animation *made = &reader->made;
 	uint32_t count = 0;
 	for (uint32_t p = from->parts.first[mesh]; p < from->parts.first[mesh + 1]; p++)
@@ -75,18 +75,18 @@ static stilb_result animation_add_weights(animation_reader *reader, uint32_t ite
 		                           sizeof *made->weights);
 	if (result != STILB_OK)
 		return result;
-	uint32_t array = gltf_json_array(json, item, "weights");
+	uint32_t array = scene_json_array(json, item, "weights");
 	if (array == GLTF_NONE)
-		array = gltf_json_array(json, from->lists[GLTF_MESHES].items[mesh], "weights");
+		array = scene_json_array(json, from->lists[GLTF_MESHES].items[mesh], "weights");
 	node->first_weight = made->weight_count;
 	node->weight_count = count;
-	uint32_t at = gltf_json_first(json, array);
+	uint32_t at = scene_json_first(json, array);
 	for (uint32_t w = 0; w < count; w++) {
-		float weight = at == GLTF_NONE ? 0.0f : (float)gltf_json_value(json, at);
+		float weight = at == GLTF_NONE ? 0.0f : (float)scene_json_value(json, at);
 		made->weights[made->weight_count++] = isfinite(weight) ? weight : 0.0f;
-		at = at == GLTF_NONE ? GLTF_NONE : gltf_json_after(json, array, at);
+		at = at == GLTF_NONE ? GLTF_NONE : scene_json_after(json, array, at);
 	}
-	return gltf_json_check(json);
+	return scene_json_check(json);
 }
 
 static bool animation_place_is_finite(const gltf_place *place)
@@ -115,10 +115,10 @@ static stilb_result animation_add_node(animation_reader *reader, uint32_t n)
 	memcpy(node->translation, place.pose.translation, sizeof node->translation);
 	memcpy(node->rotation, place.pose.rotation, sizeof node->rotation);
 	memcpy(node->scale, place.pose.scale, sizeof node->scale);
-	gltf_json_string(&from->json, listed->item, "name", node->name, sizeof node->name);
+	scene_json_string(&from->json, listed->item, "name", node->name, sizeof node->name);
 	uint32_t mesh = gltf_reference(from, listed->item, "mesh", GLTF_MESHES);
 	if (mesh == GLTF_NONE)
-		return gltf_json_check(&from->json);
+		return scene_json_check(&from->json);
 	return animation_add_weights(reader, listed->item, mesh, node);
 }
 
@@ -128,16 +128,16 @@ static stilb_result animation_add_node(animation_reader *reader, uint32_t n)
 static stilb_result animation_read_skin(animation_reader *reader, uint32_t item, stilb_scene_skin *skin)
 {
 	gltf *from = reader->from;
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	stilb_scene_animation *made = &reader->made;
-	uint32_t array = gltf_json_array(json, item, "joints"), count = 0;
+	uint32_t array = scene_json_array(json, item, "joints"), count = 0;
 	gltf_accessor binds = {0};
-	for (uint32_t at = gltf_json_first(json, array); at != GLTF_NONE; at = gltf_json_after(json, array, at)) {
-		uint64_t joint = gltf_json_whole(json, at);
+	for (uint32_t at = scene_json_first(json, array); at != GLTF_NONE; at = scene_json_after(json, array, at)) {
+		uint64_t joint = scene_json_whole(json, at);
 		uint32_t place = joint < from->lists[GLTF_NODES].count ? reader->place[joint] : GLTF_NONE;
 		if (json->fault[0] || place == GLTF_NONE)
 			return json->fault[0]
-			           ? gltf_json_check(json)
+			           ? scene_json_check(json)
 			           : stilb_fail(STILB_ERROR_FILE, "joint %llu is not in the scene", (unsigned long long)joint);
 		stilb_result result = animation_reserve((void **)&made->joints, &reader->joint_room,
 		                                        made->joint_count + count + 1ull, sizeof *made->joints);
@@ -147,7 +147,7 @@ static stilb_result animation_read_skin(animation_reader *reader, uint32_t item,
 		made->joints[made->joint_count + count++] = place;
 	}
 	uint32_t index = gltf_reference(from, item, "inverseBindMatrices", GLTF_ACCESSORS);
-	stilb_result result = gltf_json_check(json);
+	stilb_result result = scene_json_check(json);
 	if (result == STILB_OK && made->joint_count + (uint64_t)count > STILB_SCENE_MAX_MODELS)
 		result = stilb_fail(STILB_ERROR_FILE, "its skins have more than %u joints", STILB_SCENE_MAX_MODELS);
 	if (result == STILB_OK && index != GLTF_NONE)
@@ -200,7 +200,7 @@ static stilb_result animation_dress_node(animation_reader *reader, uint32_t n)
 	uint32_t item = from->nodes[n].item, mesh = gltf_reference(from, item, "mesh", GLTF_MESHES);
 	uint32_t index = gltf_reference(from, item, "skin", GLTF_SKINS);
 	if (from->json.fault[0] || index == GLTF_NONE || reader->skin[index] == GLTF_NONE || mesh == GLTF_NONE)
-		return gltf_json_check(&from->json);
+		return scene_json_check(&from->json);
 	const stilb_scene_skin *skin = &reader->made.skins[reader->skin[index]];
 	for (uint32_t p = from->parts.first[mesh]; p < from->parts.first[mesh + 1]; p++)
 		if (reader->needed[p] > skin->joint_count) {
@@ -271,20 +271,20 @@ static stilb_result animation_append(animation_reader *reader, uint32_t index, u
 static stilb_result animation_read_sampler(animation_reader *reader, uint32_t sampler, stilb_scene_channel *channel)
 {
 	gltf *from = reader->from;
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	static const char *const interpolations[] = {"STEP", "LINEAR", "CUBICSPLINE"};
 	/* The components that an output may have, as masks: weights are single numbers, rotations four. */
 	static const uint32_t components[STILB_SCENE_PATHS] = {1u << 2, 1u << 3, 1u << 2, 1u << 0};
-	uint32_t kind = gltf_json_member(json, sampler, "interpolation");
+	uint32_t kind = scene_json_member(json, sampler, "interpolation");
 	uint32_t input = gltf_reference(from, sampler, "input", GLTF_ACCESSORS);
 	uint32_t output = gltf_reference(from, sampler, "output", GLTF_ACCESSORS);
 	uint64_t keys = 0, numbers = 0;
 	channel->interpolation = STILB_SCENE_INTERPOLATIONS;
 	for (int i = 0; i < STILB_SCENE_INTERPOLATIONS; i++)
-		if (kind == GLTF_NONE ? i == STILB_SCENE_LINEAR : gltf_json_is(json, kind, interpolations[i]))
+		if (kind == GLTF_NONE ? i == STILB_SCENE_LINEAR : scene_json_is(json, kind, interpolations[i]))
 			channel->interpolation = (stilb_scene_interpolation)i;
 	if (json->fault[0])
-		return gltf_json_check(json);
+		return scene_json_check(json);
 	if (input == GLTF_NONE || output == GLTF_NONE || channel->interpolation == STILB_SCENE_INTERPOLATIONS)
 		return stilb_fail(STILB_ERROR_FILE, "a sampler has no input or output, or an unknown interpolation");
 	stilb_result result = animation_append(reader, input, 1u << 0, true, false, &channel->first_time, &keys);
@@ -305,18 +305,18 @@ static stilb_result animation_read_channel(animation_reader *reader, uint32_t it
                                            stilb_scene_channel *channel)
 {
 	gltf *from = reader->from;
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	static const char *const paths[] = {"translation", "rotation", "scale", "weights"};
 	static const uint32_t widths[] = {3, 4, 3, 0};
-	uint32_t target = gltf_json_member(json, item, "target"), path = gltf_json_member(json, target, "path");
+	uint32_t target = scene_json_member(json, item, "target"), path = scene_json_member(json, target, "path");
 	uint32_t node = gltf_reference(from, target, "node", GLTF_NODES);
-	uint64_t sampler = gltf_json_size(json, item, "sampler", UINT64_MAX);
+	uint64_t sampler = scene_json_size(json, item, "sampler", UINT64_MAX);
 	*channel = (stilb_scene_channel){.path = STILB_SCENE_PATHS};
 	for (int p = 0; p < STILB_SCENE_PATHS; p++)
-		if (path != GLTF_NONE && gltf_json_is(json, path, paths[p]))
+		if (path != GLTF_NONE && scene_json_is(json, path, paths[p]))
 			channel->path = (stilb_scene_path)p;
 	if (json->fault[0])
-		return gltf_json_check(json);
+		return scene_json_check(json);
 	channel->node = node == GLTF_NONE ? GLTF_NONE : reader->place[node];
 	if (channel->node == GLTF_NONE || channel->path == STILB_SCENE_PATHS)
 		return STILB_OK; /* it is of another scene, or of an extension */
@@ -333,13 +333,13 @@ static stilb_result animation_read_channel(animation_reader *reader, uint32_t it
 static stilb_result animation_read_clip(animation_reader *reader, uint32_t item, stilb_scene_clip *clip)
 {
 	gltf *from = reader->from;
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	stilb_scene_animation *made = &reader->made;
 	gltf_list samplers = {0};
-	uint32_t channels = gltf_json_array(json, item, "channels");
+	uint32_t channels = scene_json_array(json, item, "channels");
 	stilb_result result = gltf_list_items(from, item, "samplers", &samplers);
-	for (uint32_t at = gltf_json_first(json, channels); result == STILB_OK && at != GLTF_NONE;
-	     at = gltf_json_after(json, channels, at)) {
+	for (uint32_t at = scene_json_first(json, channels); result == STILB_OK && at != GLTF_NONE;
+	     at = scene_json_after(json, channels, at)) {
 		stilb_scene_channel channel;
 		result = animation_read_channel(reader, at, &samplers, &channel);
 		if (result != STILB_OK || channel.width == 0)

@@ -39,7 +39,7 @@ static stilb_result deform_open(const deform_reader *reader, const char *name, u
 	uint32_t index = gltf_reference(from, reader->names, key, GLTF_ACCESSORS);
 	*accessor = (gltf_accessor){0};
 	if (index == GLTF_NONE)
-		return gltf_json_check(&from->json);
+		return scene_json_check(&from->json);
 	stilb_result result = gltf_accessor_open(from, index, 1u << 3, accessor);
 	if (result == STILB_OK && accessor->count < reader->file_count)
 		result = stilb_fail(STILB_ERROR_FILE, "accessor %u has too few elements", index);
@@ -93,7 +93,7 @@ static uint32_t deform_count_sets(const deform_reader *reader)
 {
 	uint32_t sets = 0;
 	char key[24] = "JOINTS_0";
-	while (sets < DEFORM_SETS && gltf_json_member(&reader->from->json, reader->names, key) != GLTF_NONE)
+	while (sets < DEFORM_SETS && scene_json_member(&reader->from->json, reader->names, key) != GLTF_NONE)
 		snprintf(key, sizeof key, "JOINTS_%u", ++sets);
 	return sets;
 }
@@ -107,7 +107,7 @@ static stilb_result deform_read_attribute(const deform_reader *reader, uint32_t 
 	gltf_accessor accessor;
 	uint32_t index = gltf_reference(from, target, name, GLTF_ACCESSORS);
 	if (index == GLTF_NONE)
-		return gltf_json_check(&from->json);
+		return scene_json_check(&from->json);
 	stilb_result result = gltf_accessor_open(from, index, 1u << 2, &accessor);
 	if (result == STILB_OK && accessor.count < reader->file_count)
 		result = stilb_fail(STILB_ERROR_FILE, "accessor %u has too few elements", index);
@@ -125,12 +125,12 @@ static stilb_result deform_read_attribute(const deform_reader *reader, uint32_t 
 
 static stilb_result deform_read_targets(const deform_reader *reader, uint32_t targets)
 {
-	gltf_json *json = &reader->from->json;
+	scene_json *json = &reader->from->json;
 	stilb_scene_deform *deform = reader->deform;
-	stilb_result result = gltf_json_check(json);
+	stilb_result result = scene_json_check(json);
 	uint32_t count = 0;
-	for (uint32_t at = gltf_json_first(json, targets); result == STILB_OK && at != GLTF_NONE;
-	     at = gltf_json_after(json, targets, at), count++) {
+	for (uint32_t at = scene_json_first(json, targets); result == STILB_OK && at != GLTF_NONE;
+	     at = scene_json_after(json, targets, at), count++) {
 		size_t first = 3ull * count * reader->vertex_count;
 		result = deform_read_attribute(reader, at, "POSITION", deform->positions + first);
 		if (result == STILB_OK && deform->normals)
@@ -145,23 +145,23 @@ static stilb_result deform_read_targets(const deform_reader *reader, uint32_t ta
  * no base for what a target adds. glTF 2.0, 3.7.2.1 and 3.7.2.2. */
 static bool deform_has_tangents(const deform_reader *reader, const stilb_scene_mesh *mesh)
 {
-	gltf_json *json = &reader->from->json;
+	scene_json *json = &reader->from->json;
 	bool found = false;
 	for (uint32_t v = 0; mesh->extras && v < mesh->vertex_count && !found; v++)
 		found = mesh->extras[v].tangent[3] != 0.0f;
-	return found && gltf_json_member(json, reader->names, "TANGENT") != GLTF_NONE &&
-	       gltf_json_member(json, reader->names, "NORMAL") != GLTF_NONE;
+	return found && scene_json_member(json, reader->names, "TANGENT") != GLTF_NONE &&
+	       scene_json_member(json, reader->names, "NORMAL") != GLTF_NONE;
 }
 
 /* The number of targets; *normals, *tangents: one of them changes these. */
 static uint32_t deform_count_targets(const deform_reader *reader, uint32_t targets, bool *normals, bool *tangents)
 {
-	gltf_json *json = &reader->from->json;
+	scene_json *json = &reader->from->json;
 	uint32_t count = 0;
 	*normals = *tangents = false;
-	for (uint32_t at = gltf_json_first(json, targets); at != GLTF_NONE; at = gltf_json_after(json, targets, at)) {
-		*normals |= gltf_json_member(json, at, "NORMAL") != GLTF_NONE;
-		*tangents |= gltf_json_member(json, at, "TANGENT") != GLTF_NONE;
+	for (uint32_t at = scene_json_first(json, targets); at != GLTF_NONE; at = scene_json_after(json, targets, at)) {
+		*normals |= scene_json_member(json, at, "NORMAL") != GLTF_NONE;
+		*tangents |= scene_json_member(json, at, "TANGENT") != GLTF_NONE;
 		count++;
 	}
 	return count;
@@ -191,18 +191,18 @@ static stilb_result deform_read(deform_reader *reader, uint32_t sets, uint32_t t
 stilb_result gltf_deform_read(gltf *from, const uint32_t *source, const gltf_accessor packed[2], const char *name,
                               gltf_part *part)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	deform_reader reader = {.from = from,
 	                        .source = source,
 	                        .packed = packed,
 	                        .vertex_count = part->mesh.vertex_count,
 	                        .item = part->item,
-	                        .names = gltf_json_member(json, part->item, "attributes"),
+	                        .names = scene_json_member(json, part->item, "attributes"),
 	                        .deform = &part->deform};
 	uint32_t sets = from->lists[GLTF_SKINS].count > 0 ? deform_count_sets(&reader) : 0;
-	uint32_t targets = gltf_json_array(json, part->item, "targets");
-	stilb_result result = gltf_json_check(json);
-	if (result == STILB_OK && sets == 0 && gltf_json_first(json, targets) == GLTF_NONE)
+	uint32_t targets = scene_json_array(json, part->item, "targets");
+	stilb_result result = scene_json_check(json);
+	if (result == STILB_OK && sets == 0 && scene_json_first(json, targets) == GLTF_NONE)
 		return STILB_OK;
 	for (uint32_t v = 0; v < reader.vertex_count; v++)
 		reader.file_count = source[v] >= reader.file_count ? source[v] + 1 : reader.file_count;

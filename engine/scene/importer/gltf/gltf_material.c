@@ -75,7 +75,7 @@ stilb_result gltf_add_materials(gltf *from)
 		surfaces += needs;
 		scene->materials[m].surface = needs ? surfaces : 0;
 		if (m < materials->count && scene->names.materials)
-			gltf_json_string(&from->json, materials->items[m], "name", scene->names.materials[m], STILB_SCENE_NAME);
+			scene_json_string(&from->json, materials->items[m], "name", scene->names.materials[m], STILB_SCENE_NAME);
 	}
 	return result == STILB_OK ? importer_take_textures(from->import) : result;
 }

@@ -26,7 +26,7 @@ static stilb_result mesh_open_instances(gltf *from, const gltf_node *node, mesh_
 {
 	static const char *const names[MESH_INSTANCE_NUMBERS] = {"TRANSLATION", "ROTATION", "SCALE"};
 	uint32_t extension = gltf_extension(from, node->item, "EXT_mesh_gpu_instancing");
-	uint32_t attributes = gltf_json_member(&from->json, extension, "attributes");
+	uint32_t attributes = scene_json_member(&from->json, extension, "attributes");
 	stilb_result result = STILB_OK;
 	*instances = (mesh_instances){.node = node, .count = 1};
 	for (int i = 0; result == STILB_OK && i < MESH_INSTANCE_NUMBERS; i++) {
@@ -42,7 +42,7 @@ static stilb_result mesh_open_instances(gltf *from, const gltf_node *node, mesh_
 		instances->several = true;
 	}
 	if (result == STILB_OK)
-		result = gltf_json_check(&from->json);
+		result = scene_json_check(&from->json);
 	if (result != STILB_OK)
 		mesh_close_instances(instances);
 	return result;
@@ -66,13 +66,13 @@ static bool mesh_instance(const mesh_instances *instances, uint64_t i, stilb_mat
 /* Converts the primitives of a mesh. */
 static stilb_result mesh_convert_primitives(gltf *from, uint32_t mesh)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	gltf_parts *parts = &from->parts;
-	uint32_t array = gltf_json_array(json, from->lists[GLTF_MESHES].items[mesh], "primitives");
-	uint32_t list = gltf_json_array(json, GLTF_JSON_ROOT, "meshes"); /* tokens of it are how far we are */
-	stilb_result result = gltf_json_check(json);
-	for (uint32_t at = gltf_json_first(json, array); result == STILB_OK && at != GLTF_NONE;
-	     at = gltf_json_after(json, array, at)) {
+	uint32_t array = scene_json_array(json, from->lists[GLTF_MESHES].items[mesh], "primitives");
+	uint32_t list = scene_json_array(json, SCENE_JSON_ROOT, "meshes"); /* tokens of it are how far we are */
+	stilb_result result = scene_json_check(json);
+	for (uint32_t at = scene_json_first(json, array); result == STILB_OK && at != GLTF_NONE;
+	     at = scene_json_after(json, array, at)) {
 		if (parts->count == parts->capacity) {
 			uint32_t capacity = 2 * parts->capacity + 64;
 			gltf_part *more =
@@ -112,7 +112,7 @@ static stilb_result mesh_convert_all(gltf *from)
 		if (mesh != GLTF_NONE)
 			shown[mesh] = true;
 	}
-	stilb_result result = gltf_json_check(&from->json);
+	stilb_result result = scene_json_check(&from->json);
 	for (uint32_t m = 0; result == STILB_OK && m < count; m++) {
 		if (shown[m])
 			result = mesh_convert_primitives(from, m);
@@ -133,7 +133,7 @@ static void mesh_name_model(gltf *from, const gltf_node *node, uint32_t model)
 {
 	stilb_scene_names *names = &from->import->scene->names;
 	if (names->models)
-		gltf_json_string(&from->json, node->item, "name", names->models[model], STILB_SCENE_NAME);
+		scene_json_string(&from->json, node->item, "name", names->models[model], STILB_SCENE_NAME);
 }
 
 /* Adds a node for an instance of a node, and returns its index. */
@@ -155,6 +155,53 @@ static bool mesh_mirrors(const stilb_mat4 *to_world)
 	return stilb_vec3_dot(stilb_vec3_cross(x, y), stilb_vec3_make(m[8], m[9], m[10])) < 0.0f;
 }
 
+/* What extras may say of models, true or false, and the flag of those of which it is false. */
+static const struct mesh_extra {
+	const char *key;
+	uint32_t flag;
+} mesh_extras[] = {
+	{"seen", STILB_SCENE_MODEL_UNSEEN},
+	{"castShadow", STILB_SCENE_MODEL_CASTS_NO_SHADOW},
+	{"receiveShadow", STILB_SCENE_MODEL_RECEIVES_NO_SHADOW},
+};
+
+/* The flags of a model after what the extras of an object, its mesh or its node, say of it; *wrong: they say neither
+ * true nor false, which some programs write as 1 and 0. Extras are the file's own: most say nothing of it. */
+static uint32_t mesh_read_extras(gltf *from, uint32_t object, uint32_t flags, bool *wrong)
+{
+	uint32_t extras = scene_json_member(&from->json, object, "extras");
+	if (extras == GLTF_NONE || from->json.tokens[extras].kind != SCENE_JSON_OBJECT)
+		return flags;
+	for (size_t i = 0; i < sizeof mesh_extras / sizeof *mesh_extras; i++) {
+		uint32_t value = scene_json_member(&from->json, extras, mesh_extras[i].key);
+		if (value == GLTF_NONE)
+			continue;
+		scene_json_kind kind = from->json.tokens[value].kind;
+		double number = scene_json_value(&from->json, value);
+		if (kind == SCENE_JSON_FALSE || number == 0.0)
+			flags |= mesh_extras[i].flag;
+		else if (kind == SCENE_JSON_TRUE || number == 1.0)
+			flags &= ~mesh_extras[i].flag;
+		else
+			*wrong = true;
+	}
+	return flags;
+}
+
+/* The flags of the models of a node: its mesh's, unless the node says otherwise. */
+static uint32_t mesh_model_flags(gltf *from, const gltf_node *node, uint32_t mesh)
+{
+	char name[96];
+	bool wrong = false;
+	uint32_t flags = mesh_read_extras(from, from->lists[GLTF_MESHES].items[mesh], 0, &wrong);
+	flags = mesh_read_extras(from, node->item, flags, &wrong);
+	if (wrong) {
+		gltf_name(from, GLTF_NODES, node->index, name);
+		importer_lose(from->import, IMPORTER_LOSS_EXTRAS, name);
+	}
+	return flags;
+}
+
 /* Counts a model for each instance of a node or, if there is a scene, fills it. */
 static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made)
 {
@@ -167,6 +214,7 @@ static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made
 	node->first_model = made->models;
 	if (first == end)
 		return STILB_OK;
+	uint32_t flags = scene ? mesh_model_flags(from, node, mesh) : 0;
 	stilb_result result = mesh_open_instances(from, node, &instances);
 	for (uint64_t i = 0; result == STILB_OK && i < instances.count; i++) {
 		bool finite = mesh_instance(&instances, i, &own, &to_world);
@@ -182,8 +230,10 @@ static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made
 		uint32_t hangs_on = (uint32_t)(node - from->nodes);
 		if (scene && finite && instances.several)
 			hangs_on = mesh_add_instance(&scene->nodes, hangs_on, &own, &to_world);
-		if (scene && finite)
+		if (scene && finite) {
 			scene->model_node[made->models] = 1 + hangs_on;
+			scene_set_model_flags(scene, made->models, flags);
+		}
 		made->parts += finite ? end - first : 0;
 		made->models += finite;
 		made->instances += finite && instances.several;

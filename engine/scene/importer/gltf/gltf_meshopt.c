@@ -52,10 +52,10 @@ static bool meshopt_filter(const meshopt_view *packed, void *data)
 stilb_result gltf_meshopt_decode(gltf *from, uint32_t extension, gltf_view *view)
 {
 	STILB_ASSERT(view->data && !view->own);
-	gltf_json *json = &from->json;
-	meshopt_view packed = {.count = gltf_json_size(json, extension, "count", 0), .stride = view->stride};
-	gltf_json_string(json, extension, "mode", packed.mode, sizeof packed.mode);
-	gltf_json_string(json, extension, "filter", packed.filter, sizeof packed.filter);
+	scene_json *json = &from->json;
+	meshopt_view packed = {.count = scene_json_size(json, extension, "count", 0), .stride = view->stride};
+	scene_json_string(json, extension, "mode", packed.mode, sizeof packed.mode);
+	scene_json_string(json, extension, "filter", packed.filter, sizeof packed.filter);
 	uint32_t index = (uint32_t)(view - from->views);
 	bool possible = !json->fault[0] && meshopt_is_possible(&packed, view->size);
 	if (!possible)

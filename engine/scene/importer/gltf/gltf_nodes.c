@@ -7,14 +7,14 @@
 
 gltf_place gltf_node_place(gltf *from, uint32_t item)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	gltf_place place = {.pose = {.rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}}};
-	if (gltf_json_numbers(json, item, "matrix", place.local.m, 16))
+	if (scene_json_numbers(json, item, "matrix", place.local.m, 16))
 		return place;
 	place.moves = true;
-	gltf_json_numbers(json, item, "translation", place.pose.translation, 3);
-	gltf_json_numbers(json, item, "rotation", place.pose.rotation, 4);
-	gltf_json_numbers(json, item, "scale", place.pose.scale, 3);
+	scene_json_numbers(json, item, "translation", place.pose.translation, 3);
+	scene_json_numbers(json, item, "rotation", place.pose.rotation, 4);
+	scene_json_numbers(json, item, "scale", place.pose.scale, 3);
 	place.local = stilb_scene_pose_matrix(&place.pose);
 	return place;
 }
@@ -49,36 +49,36 @@ typedef struct nodes_lister {
 static stilb_result nodes_add(nodes_lister *lister, uint32_t array, uint32_t parent)
 {
 	gltf *from = lister->from;
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	const gltf_list *all = &from->lists[GLTF_NODES];
-	for (uint32_t at = gltf_json_first(json, array); at != GLTF_NONE; at = gltf_json_after(json, array, at)) {
-		uint64_t index = gltf_json_whole(json, at);
+	for (uint32_t at = scene_json_first(json, array); at != GLTF_NONE; at = scene_json_after(json, array, at)) {
+		uint64_t index = scene_json_whole(json, at);
 		if (index >= all->count)
-			gltf_json_blame(json, at, "it names node %llu, but there are %u", (unsigned long long)index, all->count);
+			scene_json_blame(json, at, "it names node %llu, but there are %u", (unsigned long long)index, all->count);
 		if (json->fault[0])
-			return gltf_json_check(json);
+			return scene_json_check(json);
 		if (lister->listed[index])
 			return stilb_fail(STILB_ERROR_FILE, "its hierarchy is recursive or no tree: node %llu has two parents",
 			                  (unsigned long long)index);
 		lister->listed[index] = true;
 		nodes_append(from, (uint32_t)index, parent);
 	}
-	return gltf_json_check(json);
+	return scene_json_check(json);
 }
 
 /* Adds the nodes that are no other's children. */
 static stilb_result nodes_add_roots(nodes_lister *lister)
 {
 	gltf *from = lister->from;
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	const gltf_list *all = &from->lists[GLTF_NODES];
 	bool *child = calloc(all->count + 1ull, sizeof *child);
 	if (!child)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for its hierarchy");
 	for (uint32_t n = 0; n < all->count; n++) {
-		uint32_t array = gltf_json_array(json, all->items[n], "children");
-		for (uint32_t at = gltf_json_first(json, array); at != GLTF_NONE; at = gltf_json_after(json, array, at)) {
-			uint64_t index = gltf_json_whole(json, at);
+		uint32_t array = scene_json_array(json, all->items[n], "children");
+		for (uint32_t at = scene_json_first(json, array); at != GLTF_NONE; at = scene_json_after(json, array, at)) {
+			uint64_t index = scene_json_whole(json, at);
 			if (index < all->count)
 				child[index] = true;
 		}
@@ -89,23 +89,23 @@ static stilb_result nodes_add_roots(nodes_lister *lister)
 			nodes_append(from, n, GLTF_NONE);
 		}
 	free(child);
-	return gltf_json_check(json);
+	return scene_json_check(json);
 }
 
 /* Lists the nodes breadth first; the list itself is the queue of those whose children are still to be added. */
 static stilb_result nodes_list(nodes_lister *lister)
 {
 	gltf *from = lister->from;
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	const gltf_list *scenes = &from->lists[GLTF_SCENES];
-	uint32_t scene = gltf_reference(from, GLTF_JSON_ROOT, "scene", GLTF_SCENES);
+	uint32_t scene = gltf_reference(from, SCENE_JSON_ROOT, "scene", GLTF_SCENES);
 	if (scene == GLTF_NONE)
 		scene = 0;
 	stilb_result result = scenes->count == 0
 	                          ? nodes_add_roots(lister)
-	                          : nodes_add(lister, gltf_json_array(json, scenes->items[scene], "nodes"), GLTF_NONE);
+	                          : nodes_add(lister, scene_json_array(json, scenes->items[scene], "nodes"), GLTF_NONE);
 	for (uint32_t i = 0; result == STILB_OK && i < from->node_count; i++)
-		result = nodes_add(lister, gltf_json_array(json, from->nodes[i].item, "children"), i);
+		result = nodes_add(lister, scene_json_array(json, from->nodes[i].item, "children"), i);
 	for (uint32_t i = 0; result == STILB_OK && i < scenes->count; i++)
 		if (i != scene) {
 			char name[96];
@@ -149,8 +149,8 @@ stilb_result gltf_add_nodes(gltf *from, uint32_t instances)
 		nodes->pose[n] = nodes_pose(&place);
 		nodes->local[n] = place.local;
 		nodes->to_world[n] = from->nodes[n].to_world;
-		gltf_json_string(&from->json, from->nodes[n].item, "name", nodes->name[n], sizeof *nodes->name);
+		scene_json_string(&from->json, from->nodes[n].item, "name", nodes->name[n], sizeof *nodes->name);
 	}
 	nodes->count = result == STILB_OK ? from->node_count : 0; /* the instances are added one by one */
-	return result == STILB_OK ? gltf_json_check(&from->json) : result;
+	return result == STILB_OK ? scene_json_check(&from->json) : result;
 }

@@ -9,7 +9,7 @@
 
 /* ---- the file ---------------------------------------------------------------------------------------------------- */
 
-#define GLTF_JSON_CHUNK 0x4E4F534Au   /* "JSON" */
+#define SCENE_JSON_CHUNK 0x4E4F534Au  /* "JSON" */
 #define GLTF_BINARY_CHUNK 0x004E4942u /* "BIN" */
 #define GLTF_HEADER 12u               /* bytes: "glTF", version, length */
 #define GLTF_CHUNK_HEADER 8u          /* bytes: length, kind */
@@ -27,23 +27,23 @@ static bool gltf_is_binary(const importer_bytes *bytes)
 /* True if the asset's version begins with 1, as in {"asset":{"version":"1.0"}} or, of early files, as a number. */
 static bool gltf_is_first_version(const importer_bytes *bytes)
 {
-	gltf_json json;
+	scene_json json;
 	char version[8] = "";
-	if (gltf_json_parse(&json, (const char *)bytes->data, bytes->size) != STILB_OK)
+	if (scene_json_parse(&json, (const char *)bytes->data, bytes->size) != STILB_OK)
 		return false;
-	uint32_t asset = json.tokens[GLTF_JSON_ROOT].kind == GLTF_JSON_OBJECT
-	                     ? gltf_json_member(&json, GLTF_JSON_ROOT, "asset")
+	uint32_t asset = json.tokens[SCENE_JSON_ROOT].kind == SCENE_JSON_OBJECT
+	                     ? scene_json_member(&json, SCENE_JSON_ROOT, "asset")
 	                     : GLTF_NONE;
-	uint32_t token = gltf_json_member(&json, asset, "version");
-	bool number = token != GLTF_NONE && json.tokens[token].kind == GLTF_JSON_NUMBER;
+	uint32_t token = scene_json_member(&json, asset, "version");
+	bool number = token != GLTF_NONE && json.tokens[token].kind == SCENE_JSON_NUMBER;
 	if (number)
 		version[0] = json.text[json.tokens[token].at];
 	else
-		gltf_json_copy(&json, token, version, sizeof version);
+		scene_json_copy(&json, token, version, sizeof version);
 	/* Files of version 1 without a version have objects where those of version 2 have arrays. */
-	uint32_t meshes = asset == GLTF_NONE ? gltf_json_member(&json, GLTF_JSON_ROOT, "meshes") : GLTF_NONE;
-	bool first = version[0] == '1' || (meshes != GLTF_NONE && json.tokens[meshes].kind == GLTF_JSON_OBJECT);
-	gltf_json_finish(&json);
+	uint32_t meshes = asset == GLTF_NONE ? scene_json_member(&json, SCENE_JSON_ROOT, "meshes") : GLTF_NONE;
+	bool first = version[0] == '1' || (meshes != GLTF_NONE && json.tokens[meshes].kind == SCENE_JSON_OBJECT);
+	scene_json_finish(&json);
 	return first;
 }
 
@@ -70,7 +70,7 @@ static stilb_result gltf_split(gltf *from, const importer_bytes *bytes, importer
 		if (size > bytes->size - at)
 			return stilb_fail(STILB_ERROR_FILE, "it is cut off: a part of it has %zu bytes, of which %zu are there",
 			                  size, bytes->size - at);
-		importer_bytes *part = kind == GLTF_JSON_CHUNK ? json : kind == GLTF_BINARY_CHUNK ? &from->binary : NULL;
+		importer_bytes *part = kind == SCENE_JSON_CHUNK ? json : kind == GLTF_BINARY_CHUNK ? &from->binary : NULL;
 		if (part && !part->data)
 			*part = (importer_bytes){bytes->data + at, size};
 		at += size;
@@ -81,15 +81,15 @@ static stilb_result gltf_split(gltf *from, const importer_bytes *bytes, importer
 static stilb_result gltf_check_version(gltf *from)
 {
 	char version[16];
-	gltf_json *json = &from->json;
-	if (json->tokens[GLTF_JSON_ROOT].kind != GLTF_JSON_OBJECT)
+	scene_json *json = &from->json;
+	if (json->tokens[SCENE_JSON_ROOT].kind != SCENE_JSON_OBJECT)
 		return stilb_fail(STILB_ERROR_FILE, "its JSON is not an object, as that of glTF is");
-	uint32_t asset = gltf_json_member(json, GLTF_JSON_ROOT, "asset");
-	gltf_json_string(json, asset, "version", version, sizeof version);
+	uint32_t asset = scene_json_member(json, SCENE_JSON_ROOT, "asset");
+	scene_json_string(json, asset, "version", version, sizeof version);
 	if (version[0] == '2')
-		return gltf_json_check(json);
+		return scene_json_check(json);
 	if (json->fault[0])
-		return gltf_json_check(json);
+		return scene_json_check(json);
 	return stilb_fail(STILB_ERROR_FILE,
 	                  version[0] ? "it is of glTF version %s; versions 1 and 2 can be read"
 	                             : "it does not name its version of glTF%s",
@@ -98,19 +98,19 @@ static stilb_result gltf_check_version(gltf *from)
 
 stilb_result gltf_list_items(gltf *from, uint32_t object, const char *key, gltf_list *list)
 {
-	gltf_json *json = &from->json;
-	uint32_t array = gltf_json_array(json, object, key), count = 0;
-	for (uint32_t at = gltf_json_first(json, array); at != GLTF_NONE; at = gltf_json_after(json, array, at))
+	scene_json *json = &from->json;
+	uint32_t array = scene_json_array(json, object, key), count = 0;
+	for (uint32_t at = scene_json_first(json, array); at != GLTF_NONE; at = scene_json_after(json, array, at))
 		count++;
 	list->items = malloc((count + 1ull) * sizeof *list->items);
 	if (!list->items)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for its %s", key);
-	for (uint32_t at = gltf_json_first(json, array); at != GLTF_NONE; at = gltf_json_after(json, array, at)) {
-		if (json->tokens[at].kind != GLTF_JSON_OBJECT)
-			gltf_json_blame(json, at, "a value of '%s' is not of type object", key);
+	for (uint32_t at = scene_json_first(json, array); at != GLTF_NONE; at = scene_json_after(json, array, at)) {
+		if (json->tokens[at].kind != SCENE_JSON_OBJECT)
+			scene_json_blame(json, at, "a value of '%s' is not of type object", key);
 		list->items[list->count++] = at;
 	}
-	return gltf_json_check(json);
+	return scene_json_check(json);
 }
 
 static stilb_result gltf_make_lists(gltf *from)
@@ -118,39 +118,40 @@ static stilb_result gltf_make_lists(gltf *from)
 #define GLTF_LIST_KEY(name, key) key,
 	static const char *const keys[GLTF_LIST_COUNT] = {GLTF_LISTS(GLTF_LIST_KEY)};
 #undef GLTF_LIST_KEY
-	uint32_t lights = gltf_extension(from, GLTF_JSON_ROOT, "KHR_lights_punctual");
-	uint32_t variants = gltf_extension(from, GLTF_JSON_ROOT, "KHR_materials_variants");
+	uint32_t lights = gltf_extension(from, SCENE_JSON_ROOT, "KHR_lights_punctual");
+	uint32_t variants = gltf_extension(from, SCENE_JSON_ROOT, "KHR_materials_variants");
 	stilb_result result = STILB_OK;
 	for (int kind = 0; result == STILB_OK && kind < GLTF_LIST_COUNT; kind++)
 		result = gltf_list_items(from,
 		                         kind == GLTF_LIGHTS     ? lights
 		                         : kind == GLTF_VARIANTS ? variants
-		                                                 : GLTF_JSON_ROOT,
+		                                                 : SCENE_JSON_ROOT,
 		                         keys[kind], &from->lists[kind]);
 	return result;
 }
 
 uint32_t gltf_reference(gltf *from, uint32_t object, const char *key, gltf_list_kind kind)
 {
-	uint64_t index = gltf_json_size(&from->json, object, key, UINT64_MAX);
+	uint64_t index = scene_json_size(&from->json, object, key, UINT64_MAX);
 	if (index == UINT64_MAX)
 		return GLTF_NONE;
 	if (index < from->lists[kind].count)
 		return (uint32_t)index;
-	gltf_json_blame(&from->json, gltf_json_member(&from->json, object, key), "'%s' is %llu, but there are %u of these",
-	                key, (unsigned long long)index, from->lists[kind].count);
+	scene_json_blame(&from->json, scene_json_member(&from->json, object, key),
+	                 "'%s' is %llu, but there are %u of these", key, (unsigned long long)index,
+	                 from->lists[kind].count);
 	return GLTF_NONE;
 }
 
 uint32_t gltf_extension(gltf *from, uint32_t object, const char *name)
 {
-	return gltf_json_member(&from->json, gltf_json_member(&from->json, object, "extensions"), name);
+	return scene_json_member(&from->json, scene_json_member(&from->json, object, "extensions"), name);
 }
 
 void gltf_name(gltf *from, gltf_list_kind kind, uint32_t index, char name[static 96])
 {
 	STILB_ASSERT(index < from->lists[kind].count);
-	if (gltf_json_string(&from->json, from->lists[kind].items[index], "name", name, 96) == 0)
+	if (scene_json_string(&from->json, from->lists[kind].items[index], "name", name, 96) == 0)
 		snprintf(name, 96, "number %u", index);
 }
 
@@ -171,15 +172,15 @@ static unsigned gltf_base64_digit(unsigned char c)
 /* True if a string token begins with these letters, upper or lower case. */
 static bool gltf_begins(const gltf *from, uint32_t token, const char *with)
 {
-	const gltf_json_token *string = &from->json.tokens[token];
+	const scene_json_token *string = &from->json.tokens[token];
 	size_t size = strlen(with);
-	return string->kind == GLTF_JSON_STRING && string->size >= size &&
+	return string->kind == SCENE_JSON_STRING && string->size >= size &&
 	       strncasecmp(from->json.text + string->at, with, size) == 0;
 }
 
 unsigned char *gltf_unpack(gltf *from, uint32_t uri, size_t *size)
 {
-	const gltf_json_token *token = &from->json.tokens[uri];
+	const scene_json_token *token = &from->json.tokens[uri];
 	if (!gltf_begins(from, uri, "data:"))
 		return NULL;
 	const unsigned char *text = (const unsigned char *)from->json.text + token->at, *end = text + token->size;
@@ -204,7 +205,7 @@ unsigned char *gltf_unpack(gltf *from, uint32_t uri, size_t *size)
 
 bool gltf_file_name(gltf *from, uint32_t uri, char *name, size_t room)
 {
-	size_t size = gltf_json_copy(&from->json, uri, name, room);
+	size_t size = scene_json_copy(&from->json, uri, name, room);
 	char *out = name;
 	if (size == 0 || size >= room)
 		return false;
@@ -238,12 +239,12 @@ static stilb_result gltf_buffer_file(gltf *from, uint32_t index, uint32_t uri, i
 static stilb_result gltf_buffer_open(gltf *from, uint32_t index)
 {
 	gltf_buffer *buffer = &from->buffers[index];
-	uint32_t item = from->lists[GLTF_BUFFERS].items[index], uri = gltf_json_member(&from->json, item, "uri");
+	uint32_t item = from->lists[GLTF_BUFFERS].items[index], uri = scene_json_member(&from->json, item, "uri");
 	importer_bytes bytes = {0};
 	stilb_result result = STILB_OK;
-	buffer->size = gltf_json_size(&from->json, item, "byteLength", 0);
+	buffer->size = scene_json_size(&from->json, item, "byteLength", 0);
 	if (uri == GLTF_NONE && (index > 0 || !from->binary.data))
-		return gltf_json_check(&from->json); /* without data: only compressed views may be of it */
+		return scene_json_check(&from->json); /* without data: only compressed views may be of it */
 	if (uri == GLTF_NONE)
 		bytes = from->binary;
 	else if (gltf_begins(from, uri, "data:"))
@@ -259,13 +260,13 @@ static stilb_result gltf_buffer_open(gltf *from, uint32_t index)
 		                  (unsigned long long)buffer->size);
 	buffer->data = bytes.data;
 	from->bytes += buffer->own ? bytes.size : 0;
-	return result == STILB_OK ? gltf_json_check(&from->json) : result;
+	return result == STILB_OK ? scene_json_check(&from->json) : result;
 }
 
 stilb_result gltf_view_use(gltf *from, uint32_t index, const gltf_view **out)
 {
 	STILB_ASSERT(index < from->lists[GLTF_VIEWS].count);
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	gltf_view *view = &from->views[index];
 	uint32_t item = from->lists[GLTF_VIEWS].items[index];
 	*out = view;
@@ -276,13 +277,13 @@ stilb_result gltf_view_use(gltf *from, uint32_t index, const gltf_view **out)
 		packed = gltf_extension(from, item, "KHR_meshopt_compression");
 	uint32_t object = packed == GLTF_NONE ? item : packed,
 			 number = gltf_reference(from, object, "buffer", GLTF_BUFFERS);
-	uint64_t offset = gltf_json_size(json, object, "byteOffset", 0),
-			 size = gltf_json_size(json, object, "byteLength", 0);
-	uint64_t stride = gltf_json_size(json, object, "byteStride", 0);
+	uint64_t offset = scene_json_size(json, object, "byteOffset", 0),
+			 size = scene_json_size(json, object, "byteLength", 0);
+	uint64_t stride = scene_json_size(json, object, "byteStride", 0);
 	if (number == GLTF_NONE && !json->fault[0])
 		return stilb_fail(STILB_ERROR_FILE, "buffer view %u is of no buffer", index);
 	if (json->fault[0])
-		return gltf_json_check(json);
+		return scene_json_check(json);
 	const gltf_buffer *buffer = &from->buffers[number];
 	if (!buffer->data)
 		return stilb_fail(STILB_ERROR_FILE, "buffer view %u is of buffer %u, which has no data", index, number);
@@ -305,7 +306,7 @@ stilb_result gltf_open(gltf *from, const importer_bytes *bytes)
 		result = gltf_split(from, bytes, &text);
 	}
 	if (result == STILB_OK)
-		result = gltf_json_parse(&from->json, (const char *)text.data, text.size);
+		result = scene_json_parse(&from->json, (const char *)text.data, text.size);
 	if (result == STILB_OK)
 		result = gltf_check_version(from);
 	if (result == STILB_OK)
@@ -344,7 +345,7 @@ void gltf_close(gltf *from)
 	free(from->unpacked);
 	free(from->parts.parts);
 	free(from->parts.first);
-	gltf_json_finish(&from->json);
+	scene_json_finish(&from->json);
 	*from = (gltf){0};
 }
 
@@ -358,7 +359,7 @@ stilb_result gltf_import(importer *import, const importer_bytes *bytes)
 	for (size_t s = 0; result == STILB_OK && s < sizeof steps / sizeof *steps; s++) {
 		result = steps[s](&from);
 		if (result == STILB_OK)
-			result = gltf_json_check(&from.json);
+			result = scene_json_check(&from.json);
 	}
 	if (result == STILB_OK)
 		gltf_tell_extensions(&from);

@@ -74,28 +74,28 @@ static gltf_accessor primitive_own(void *data, uint64_t count, uint32_t componen
 static stilb_result primitive_unpack(primitive_reader *reader, uint32_t extension)
 {
 	gltf *from = reader->from;
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	const gltf_view *view;
 	uint32_t number = gltf_reference(from, extension, "bufferView", GLTF_VIEWS);
-	uint32_t names = gltf_json_member(json, extension, "attributes");
+	uint32_t names = scene_json_member(json, extension, "attributes");
 	gltf_draco_mesh mesh = {0};
 	bool memory;
 	if (number == GLTF_NONE && !json->fault[0])
 		return stilb_fail(STILB_ERROR_FILE, "a mesh compressed by Draco names no buffer view");
 	for (int i = 0; i < PRIMITIVE_ATTRIBUTES; i++) {
 		const char *name = primitive_attribute(reader, i);
-		uint64_t id = name[0] ? gltf_json_size(json, names, name, UINT32_MAX) : UINT32_MAX;
+		uint64_t id = name[0] ? scene_json_size(json, names, name, UINT32_MAX) : UINT32_MAX;
 		mesh.values[i] = (gltf_draco_values){.wanted = id < UINT32_MAX,
 		                                     .id = (uint32_t)id,
 		                                     .components = primitive_components[i],
 		                                     .alpha = i == PRIMITIVE_COLORS};
 	}
 	for (int i = 0; i < 2 && from->lists[GLTF_SKINS].count > 0; i++) {
-		uint64_t id = gltf_json_size(json, names, i == 0 ? "JOINTS_0" : "WEIGHTS_0", UINT32_MAX);
+		uint64_t id = scene_json_size(json, names, i == 0 ? "JOINTS_0" : "WEIGHTS_0", UINT32_MAX);
 		mesh.values[PRIMITIVE_ATTRIBUTES + i] =
 			(gltf_draco_values){.wanted = id < UINT32_MAX, .id = (uint32_t)id, .components = 4};
 	}
-	stilb_result result = gltf_json_check(json);
+	stilb_result result = scene_json_check(json);
 	if (result == STILB_OK)
 		result = gltf_view_use(from, number, &view);
 	if (result != STILB_OK)
@@ -119,8 +119,8 @@ static stilb_result primitive_unpack(primitive_reader *reader, uint32_t extensio
 static stilb_result primitive_open(primitive_reader *reader)
 {
 	gltf *from = reader->from;
-	gltf_json *json = &from->json;
-	uint32_t names = gltf_json_member(json, reader->item, "attributes");
+	scene_json *json = &from->json;
+	uint32_t names = scene_json_member(json, reader->item, "attributes");
 	uint32_t indices = gltf_reference(from, reader->item, "indices", GLTF_ACCESSORS);
 	stilb_result result = STILB_OK;
 	for (int i = 0; result == STILB_OK && i < PRIMITIVE_ATTRIBUTES; i++) {
@@ -136,7 +136,7 @@ static stilb_result primitive_open(primitive_reader *reader)
 	}
 	if (result == STILB_OK && indices != GLTF_NONE)
 		result = gltf_accessor_open(from, indices, 1, &reader->indices);
-	return result == STILB_OK ? gltf_json_check(json) : result;
+	return result == STILB_OK ? scene_json_check(json) : result;
 }
 
 static void primitive_finish(primitive_reader *reader)
@@ -402,12 +402,12 @@ static stilb_result primitive_convert(primitive_reader *reader, stilb_scene_mesh
 
 stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitive, gltf_part *part)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	importer *import = from->import;
 	char name[96];
 	uint32_t material = gltf_reference(from, primitive, "material", GLTF_MATERIALS);
-	uint32_t names = gltf_json_member(json, primitive, "attributes");
-	uint64_t mode = gltf_json_size(json, primitive, "mode", PRIMITIVE_TRIANGLES);
+	uint32_t names = scene_json_member(json, primitive, "attributes");
+	uint64_t mode = scene_json_size(json, primitive, "mode", PRIMITIVE_TRIANGLES);
 	primitive_reader reader = {.from = from, .item = primitive, .mode = (uint32_t)mode};
 	gltf_name(from, GLTF_MESHES, mesh, name);
 	reader.sets = gltf_variant_sets(from, primitive, material, name);
@@ -417,11 +417,11 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 	*part = (gltf_part){.item = primitive,
 	                    .material = material == GLTF_NONE ? from->lists[GLTF_MATERIALS].count : material};
 	if (mode > PRIMITIVE_FAN)
-		gltf_json_blame(json, primitive, "'mode' is %llu; 6 is the most", (unsigned long long)mode);
-	stilb_result result = gltf_json_check(json);
+		scene_json_blame(json, primitive, "'mode' is %llu; 6 is the most", (unsigned long long)mode);
+	stilb_result result = scene_json_check(json);
 	if (result != STILB_OK)
 		return result;
-	bool positions = gltf_json_member(json, names, "POSITION") != GLTF_NONE;
+	bool positions = scene_json_member(json, names, "POSITION") != GLTF_NONE;
 	if (mode < PRIMITIVE_TRIANGLES || !positions) {
 		importer_lose(import, positions ? IMPORTER_LOSS_LINES : IMPORTER_LOSS_POSITIONS, name);
 		return STILB_OK;
@@ -433,7 +433,7 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 		importer_lose(import, IMPORTER_LOSS_TRIANGLES, name);
 	if (reader.leaves_infinite)
 		importer_lose(import, IMPORTER_LOSS_INFINITE, name);
-	if (part->mesh.index_count > 0 && gltf_json_member(json, names, "COLOR_0") != GLTF_NONE)
+	if (part->mesh.index_count > 0 && scene_json_member(json, names, "COLOR_0") != GLTF_NONE)
 		gltf_show_materials(from, primitive, part->material, GLTF_SHOWN_COLORED);
 	primitive_finish(&reader);
 	if (result != STILB_OK)

@@ -50,17 +50,17 @@ static bool surface_is_unlit(gltf *from, uint32_t item)
 /* The token of the texture info of a map, whatever is shown of it; GLTF_NONE: there is none. */
 static uint32_t surface_info(gltf *from, uint32_t item, stilb_scene_map_kind kind)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	const struct surface_key *map = &surface_keys[kind];
 	if (kind <= STILB_SCENE_MAP_REFLECTION && surface_is_glossy(from, item))
-		return gltf_json_member(json, gltf_extension(from, item, SURFACE_GLOSS),
-		                        kind == STILB_SCENE_MAP_COLOR ? "diffuseTexture" : "specularGlossinessTexture");
+		return scene_json_member(json, gltf_extension(from, item, SURFACE_GLOSS),
+		                         kind == STILB_SCENE_MAP_COLOR ? "diffuseTexture" : "specularGlossinessTexture");
 	if (!map->within)
-		return gltf_json_member(json, item, map->key);
-	return gltf_json_member(json,
-	                        kind <= STILB_SCENE_MAP_REFLECTION ? gltf_json_member(json, item, map->within)
-	                                                           : gltf_extension(from, item, map->within),
-	                        map->key);
+		return scene_json_member(json, item, map->key);
+	return scene_json_member(json,
+	                         kind <= STILB_SCENE_MAP_REFLECTION ? scene_json_member(json, item, map->within)
+	                                                            : gltf_extension(from, item, map->within),
+	                         map->key);
 }
 
 uint32_t gltf_map_info(gltf *from, uint32_t item, stilb_scene_map_kind kind)
@@ -78,9 +78,9 @@ uint32_t gltf_map_info(gltf *from, uint32_t item, stilb_scene_map_kind kind)
 /* The attribute with the places of a map: TEXCOORD_<n>. */
 static uint32_t surface_set(gltf *from, uint32_t info)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	uint32_t transform = gltf_extension(from, info, "KHR_texture_transform");
-	uint64_t set = gltf_json_size(json, transform, "texCoord", gltf_json_size(json, info, "texCoord", 0));
+	uint64_t set = scene_json_size(json, transform, "texCoord", scene_json_size(json, info, "texCoord", 0));
 	return set < GLTF_SETS_MOST ? (uint32_t)set : GLTF_SETS_MOST;
 }
 
@@ -142,11 +142,11 @@ static float surface_number(float value)
  * points down: (1, 0) goes to (cos, -sin). */
 static void surface_transform(gltf *from, uint32_t transform, stilb_scene_map *map)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	float offset[2] = {0, 0}, scale[2] = {1, 1};
-	float angle = (float)gltf_json_number(json, transform, "rotation", 0.0);
-	gltf_json_numbers(json, transform, "offset", offset, 2);
-	gltf_json_numbers(json, transform, "scale", scale, 2);
+	float angle = (float)scene_json_number(json, transform, "rotation", 0.0);
+	scene_json_numbers(json, transform, "offset", offset, 2);
+	scene_json_numbers(json, transform, "scale", scale, 2);
 	float c = cosf(angle), s = sinf(angle);
 	const float rows[2][3] = {{c * scale[0], s * scale[1], offset[0]}, {-s * scale[0], c * scale[1], offset[1]}};
 	for (int i = 0; i < 3; i++) {
@@ -158,7 +158,7 @@ static void surface_transform(gltf *from, uint32_t transform, stilb_scene_map *m
 static uint8_t surface_wrap(gltf *from, uint32_t sampler, const char *key)
 {
 	enum { CLAMP_TO_EDGE = 33071, MIRRORED_REPEAT = 33648 };
-	uint64_t wrap = gltf_json_size(&from->json, sampler, key, 0);
+	uint64_t wrap = scene_json_size(&from->json, sampler, key, 0);
 	return wrap == CLAMP_TO_EDGE     ? STILB_SCENE_CLAMP
 	       : wrap == MIRRORED_REPEAT ? STILB_SCENE_MIRROR
 	                                 : STILB_SCENE_REPEAT;
@@ -174,7 +174,7 @@ static void surface_sampler(gltf *from, uint32_t info, stilb_scene_map *map)
 	uint32_t item = sampler == GLTF_NONE ? GLTF_NONE : from->lists[GLTF_SAMPLERS].items[sampler];
 	map->wrap_u = surface_wrap(from, item, "wrapS");
 	map->wrap_v = surface_wrap(from, item, "wrapT");
-	map->nearest = gltf_json_size(&from->json, item, "magFilter", 0) == NEAREST;
+	map->nearest = scene_json_size(&from->json, item, "magFilter", 0) == NEAREST;
 }
 
 bool gltf_map_read(gltf *from, uint32_t info, const gltf_sets *sets, stilb_scene_map *map)
@@ -193,14 +193,14 @@ bool gltf_map_read(gltf *from, uint32_t info, const gltf_sets *sets, stilb_scene
 
 static float surface_share(gltf *from, uint32_t object, const char *key, double missing)
 {
-	return importer_clamp((float)gltf_json_number(&from->json, object, key, missing), 0.0f, 1.0f);
+	return importer_clamp((float)scene_json_number(&from->json, object, key, missing), 0.0f, 1.0f);
 }
 
 /* Reads `count` numbers in [0, most], if they are there. */
 static void surface_color(gltf *from, uint32_t object, const char *key, float *color, uint32_t count, float most)
 {
 	float values[4];
-	if (!gltf_json_numbers(&from->json, object, key, values, count))
+	if (!scene_json_numbers(&from->json, object, key, values, count))
 		return;
 	for (uint32_t i = 0; i < count; i++)
 		color[i] = importer_clamp(values[i], 0.0f, most);
@@ -208,15 +208,15 @@ static void surface_color(gltf *from, uint32_t object, const char *key, float *c
 
 static float surface_scale(gltf *from, uint32_t info, const char *key)
 {
-	return importer_clamp((float)gltf_json_number(&from->json, info, key, 1.0), -1e3f, 1e3f);
+	return importer_clamp((float)scene_json_number(&from->json, info, key, 1.0), -1e3f, 1e3f);
 }
 
 static void surface_metallic(gltf *from, uint32_t item, stilb_scene_surface *surface)
 {
-	uint32_t pbr = gltf_json_member(&from->json, item, SURFACE_PBR);
+	uint32_t pbr = scene_json_member(&from->json, item, SURFACE_PBR);
 	uint32_t specular = gltf_extension(from, item, SURFACE_SPECULAR);
 	uint32_t ior = gltf_extension(from, item, "KHR_materials_ior");
-	float index = (float)gltf_json_number(&from->json, ior, "ior", 1.5);
+	float index = (float)scene_json_number(&from->json, ior, "ior", 1.5);
 	surface_color(from, pbr, "baseColorFactor", surface->color, 4, 1.0f);
 	surface->metalness = surface_share(from, pbr, "metallicFactor", 1.0);
 	surface->roughness = surface_share(from, pbr, "roughnessFactor", 1.0);
@@ -235,21 +235,21 @@ static void surface_glossy(gltf *from, uint32_t gloss, stilb_scene_surface *surf
 
 static void surface_alpha(gltf *from, uint32_t item, stilb_scene_surface *surface)
 {
-	gltf_json *json = &from->json;
-	uint32_t mode = gltf_json_member(json, item, "alphaMode");
-	if (gltf_json_is(json, mode, "MASK"))
+	scene_json *json = &from->json;
+	uint32_t mode = scene_json_member(json, item, "alphaMode");
+	if (scene_json_is(json, mode, "MASK"))
 		surface->alpha = STILB_SCENE_MASK;
-	if (gltf_json_is(json, mode, "BLEND"))
+	if (scene_json_is(json, mode, "BLEND"))
 		surface->alpha = STILB_SCENE_BLEND;
-	surface->cutoff = importer_clamp((float)gltf_json_number(json, item, "alphaCutoff", 0.5), 0.0f, 1e9f);
-	surface->one_sided = !gltf_json_bool(json, item, "doubleSided", false);
+	surface->cutoff = importer_clamp((float)scene_json_number(json, item, "alphaCutoff", 0.5), 0.0f, 1e9f);
+	surface->one_sided = !scene_json_bool(json, item, "doubleSided", false);
 	surface->unlit = surface_is_unlit(from, item);
 }
 
 /* What lies on the surface: clear coat and sheen; and along which way it is brushed. */
 static void surface_layers(gltf *from, uint32_t item, stilb_scene_surface *surface)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	uint32_t coat = gltf_extension(from, item, SURFACE_COAT), sheen = gltf_extension(from, item, SURFACE_SHEEN);
 	uint32_t brushed = gltf_extension(from, item, SURFACE_BRUSHED);
 	surface->clearcoat = surface_share(from, coat, "clearcoatFactor", 0.0);
@@ -259,17 +259,17 @@ static void surface_layers(gltf *from, uint32_t item, stilb_scene_surface *surfa
 	surface_color(from, sheen, "sheenColorFactor", surface->sheen_color, 3, 1.0f);
 	surface->sheen_roughness = surface_share(from, sheen, "sheenRoughnessFactor", 0.0);
 	surface->anisotropy = surface_share(from, brushed, "anisotropyStrength", 0.0);
-	surface->anisotropy_rotation = surface_number((float)gltf_json_number(json, brushed, "anisotropyRotation", 0.0));
+	surface->anisotropy_rotation = surface_number((float)scene_json_number(json, brushed, "anisotropyRotation", 0.0));
 }
 
 /* What goes through the surface. Exporters write a distance of 0 for glass that absorbs nothing, which has none. */
 static void surface_transmission(gltf *from, uint32_t item, stilb_scene_surface *surface)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	uint32_t through = gltf_extension(from, item, SURFACE_THROUGH), volume = gltf_extension(from, item, SURFACE_VOLUME);
-	float distance = (float)gltf_json_number(json, volume, "attenuationDistance", 0.0);
+	float distance = (float)scene_json_number(json, volume, "attenuationDistance", 0.0);
 	surface->transmission = surface_share(from, through, "transmissionFactor", 0.0);
-	surface->thickness = importer_clamp((float)gltf_json_number(json, volume, "thicknessFactor", 0.0), 0.0f, 1e9f);
+	surface->thickness = importer_clamp((float)scene_json_number(json, volume, "thicknessFactor", 0.0), 0.0f, 1e9f);
 	surface->attenuation_distance = distance > 0.0f ? distance : INFINITY;
 	surface_color(from, volume, "attenuationColor", surface->attenuation, 3, 1.0f);
 	for (int i = 0; i < 3; i++)
@@ -278,10 +278,10 @@ static void surface_transmission(gltf *from, uint32_t item, stilb_scene_surface 
 
 void gltf_surface_factors(gltf *from, uint32_t item, stilb_scene_surface *surface)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	uint32_t gloss = gltf_extension(from, item, SURFACE_GLOSS);
 	uint32_t extension = gltf_extension(from, item, "KHR_materials_emissive_strength");
-	float strength = importer_clamp((float)gltf_json_number(json, extension, "emissiveStrength", 1.0), 0.0f, 1e9f);
+	float strength = importer_clamp((float)scene_json_number(json, extension, "emissiveStrength", 1.0), 0.0f, 1e9f);
 	uint32_t occlusion = surface_info(from, item, STILB_SCENE_MAP_OCCLUSION);
 	*surface = stilb_scene_surface_make();
 	if (gloss == GLTF_NONE)

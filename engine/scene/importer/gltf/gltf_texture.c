@@ -28,8 +28,8 @@ uint32_t gltf_texture_picture(gltf *from, uint32_t info)
 /* Finds the bytes of an image in the file itself, or asks for its file. */
 static stilb_result texture_find(gltf *from, uint32_t image, importer_texture *texture)
 {
-	gltf_json *json = &from->json;
-	uint32_t item = from->lists[GLTF_IMAGES].items[image], uri = gltf_json_member(json, item, "uri");
+	scene_json *json = &from->json;
+	uint32_t item = from->lists[GLTF_IMAGES].items[image], uri = scene_json_member(json, item, "uri");
 	uint32_t number = gltf_reference(from, item, "bufferView", GLTF_VIEWS);
 	const gltf_view *view;
 	gltf_name(from, GLTF_IMAGES, image, texture->name);
@@ -41,7 +41,7 @@ static stilb_result texture_find(gltf *from, uint32_t image, importer_texture *t
 	}
 	if (uri == GLTF_NONE) {
 		snprintf(texture->trouble, sizeof texture->trouble, "it has neither a file nor a buffer view");
-		return gltf_json_check(json);
+		return scene_json_check(json);
 	}
 	from->unpacked[image] = gltf_unpack(from, uri, &texture->inside.size);
 	texture->inside.data = from->unpacked[image];
@@ -51,7 +51,7 @@ static stilb_result texture_find(gltf *from, uint32_t image, importer_texture *t
 		texture->file = importer_files_ask(texture->name, true, texture->trouble);
 	else
 		snprintf(texture->trouble, sizeof texture->trouble, "the name of its file is too long or empty");
-	return gltf_json_check(json);
+	return scene_json_check(json);
 }
 
 /* Lists the picture of a texture info, if there is one and it is not in the list yet. */
@@ -61,7 +61,7 @@ static stilb_result texture_list_info(gltf *from, uint32_t info)
 	uint32_t texture = gltf_reference(from, info, "index", GLTF_TEXTURES);
 	uint32_t image = texture == GLTF_NONE ? GLTF_NONE : texture_image(from, texture);
 	if (image == GLTF_NONE || from->picture[image] > 0)
-		return gltf_json_check(&from->json);
+		return scene_json_check(&from->json);
 	importer_texture *made = &import->textures[import->texture_count++];
 	made->file = -1;
 	from->picture[image] = import->texture_count;

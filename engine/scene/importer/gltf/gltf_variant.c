@@ -10,16 +10,16 @@
 /* The mappings of a primitive: each has a material and the variants that show it. */
 static uint32_t variant_mappings(gltf *from, uint32_t primitive)
 {
-	return gltf_json_array(&from->json, gltf_extension(from, primitive, "KHR_materials_variants"), "mappings");
+	return scene_json_array(&from->json, gltf_extension(from, primitive, "KHR_materials_variants"), "mappings");
 }
 
 gltf_sets gltf_variant_sets(gltf *from, uint32_t primitive, uint32_t material, const char *name)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	uint32_t mappings = variant_mappings(from, primitive);
 	gltf_sets all = gltf_material_sets(from, material);
 	bool agree = true;
-	for (uint32_t at = gltf_json_first(json, mappings); at != GLTF_NONE; at = gltf_json_after(json, mappings, at)) {
+	for (uint32_t at = scene_json_first(json, mappings); at != GLTF_NONE; at = scene_json_after(json, mappings, at)) {
 		gltf_sets other = gltf_material_sets(from, gltf_reference(from, at, "material", GLTF_MATERIALS));
 		if (other.normals && !all.normals)
 			all.normal = other.normal;
@@ -41,10 +41,10 @@ gltf_sets gltf_variant_sets(gltf *from, uint32_t primitive, uint32_t material, c
 
 void gltf_show_materials(gltf *from, uint32_t primitive, uint32_t material, uint8_t how)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	uint32_t mappings = variant_mappings(from, primitive);
 	from->shown[material] |= how;
-	for (uint32_t at = gltf_json_first(json, mappings); at != GLTF_NONE; at = gltf_json_after(json, mappings, at)) {
+	for (uint32_t at = scene_json_first(json, mappings); at != GLTF_NONE; at = scene_json_after(json, mappings, at)) {
 		uint32_t other = gltf_reference(from, at, "material", GLTF_MATERIALS);
 		if (other != GLTF_NONE)
 			from->shown[other] |= how;
@@ -54,18 +54,18 @@ void gltf_show_materials(gltf *from, uint32_t primitive, uint32_t material, uint
 /* Writes to row[variant * parts + part] what the variants of one of gltf's parts show. */
 static void variant_read_part(gltf *from, uint32_t part, uint32_t *row)
 {
-	gltf_json *json = &from->json;
+	scene_json *json = &from->json;
 	uint32_t count = from->lists[GLTF_VARIANTS].count, parts = from->parts.count;
 	uint32_t mappings = variant_mappings(from, from->parts.parts[part].item);
 	for (uint32_t v = 0; v < count; v++)
 		row[(size_t)v * parts + part] = from->parts.parts[part].material;
-	for (uint32_t at = gltf_json_first(json, mappings); at != GLTF_NONE; at = gltf_json_after(json, mappings, at)) {
+	for (uint32_t at = scene_json_first(json, mappings); at != GLTF_NONE; at = scene_json_after(json, mappings, at)) {
 		uint32_t material = gltf_reference(from, at, "material", GLTF_MATERIALS);
-		uint32_t names = gltf_json_array(json, at, "variants");
-		for (uint32_t n = gltf_json_first(json, names); n != GLTF_NONE; n = gltf_json_after(json, names, n)) {
-			uint64_t v = gltf_json_whole(json, n);
+		uint32_t names = scene_json_array(json, at, "variants");
+		for (uint32_t n = scene_json_first(json, names); n != GLTF_NONE; n = scene_json_after(json, names, n)) {
+			uint64_t v = scene_json_whole(json, n);
 			if (v >= count)
-				gltf_json_blame(json, n, "it names variant %llu, but there are %u", (unsigned long long)v, count);
+				scene_json_blame(json, n, "it names variant %llu, but there are %u", (unsigned long long)v, count);
 			if (json->fault[0])
 				return;
 			if (material != GLTF_NONE)
@@ -90,7 +90,7 @@ stilb_result gltf_add_variants(gltf *from)
 	for (uint32_t p = 0; result == STILB_OK && p < parts; p++)
 		variant_read_part(from, p, row);
 	if (result == STILB_OK)
-		result = gltf_json_check(&from->json);
+		result = scene_json_check(&from->json);
 	for (uint32_t v = 0; result == STILB_OK && v <= count; v++) {
 		uint32_t *to = scene->variants->materials + (size_t)v * scene->part_count;
 		char name[96];

@@ -15,10 +15,10 @@ static stilb_scene_mount view_mount(const gltf *from, const gltf_node *node)
 /* The cones of a spot: angles from its axis, 0 <= inner < outer <= pi / 2. */
 static void view_spot(gltf *from, uint32_t item, stilb_scene_light *light)
 {
-	gltf_json *json = &from->json;
-	uint32_t spot = gltf_json_member(json, item, "spot");
-	float inner = (float)gltf_json_number(json, spot, "innerConeAngle", 0.0);
-	float outer = (float)gltf_json_number(json, spot, "outerConeAngle", 0.78539816339); /* pi / 4 */
+	scene_json *json = &from->json;
+	uint32_t spot = scene_json_member(json, item, "spot");
+	float inner = (float)scene_json_number(json, spot, "innerConeAngle", 0.0);
+	float outer = (float)scene_json_number(json, spot, "outerConeAngle", 0.78539816339); /* pi / 4 */
 	light->cos_inner = cosf(importer_clamp(inner, 0.0f, 1.5707963f));
 	light->cos_outer = fminf(cosf(importer_clamp(outer, 0.0f, 1.5707963f)), light->cos_inner);
 }
@@ -28,20 +28,20 @@ static void view_spot(gltf *from, uint32_t item, stilb_scene_light *light)
 static bool view_light(gltf *from, const gltf_node *node, uint32_t index, stilb_scene_light *light,
                        stilb_scene_mount *mount)
 {
-	gltf_json *json = &from->json;
-	uint32_t item = from->lists[GLTF_LIGHTS].items[index], type = gltf_json_member(json, item, "type");
-	float color[3] = {1, 1, 1}, strength = (float)gltf_json_number(json, item, "intensity", 1.0);
+	scene_json *json = &from->json;
+	uint32_t item = from->lists[GLTF_LIGHTS].items[index], type = scene_json_member(json, item, "type");
+	float color[3] = {1, 1, 1}, strength = (float)scene_json_number(json, item, "intensity", 1.0);
 	bool good = false;
-	gltf_json_numbers(json, item, "color", color, 3);
+	scene_json_numbers(json, item, "color", color, 3);
 	*light = (stilb_scene_light){
 		.kind = STILB_SCENE_LIGHT_POINT, .unit = STILB_SCENE_LIGHT_PHOTOMETRIC, .cos_inner = 1.0f, .cos_outer = 1.0f};
-	if (gltf_json_is(json, type, "directional"))
+	if (scene_json_is(json, type, "directional"))
 		light->kind = STILB_SCENE_LIGHT_DIRECTIONAL;
-	else if (gltf_json_is(json, type, "spot"))
+	else if (scene_json_is(json, type, "spot"))
 		light->kind = STILB_SCENE_LIGHT_SPOT;
 	if (light->kind == STILB_SCENE_LIGHT_SPOT)
 		view_spot(from, item, light);
-	float range = (float)gltf_json_number(json, item, "range", 0.0);
+	float range = (float)scene_json_number(json, item, "range", 0.0);
 	if (range > 1e-9f && range < 1e18f)
 		light->falloff = STILB_SCENE_LIGHT_RANGED, light->reach = range;
 	for (int i = 0; i < 3; i++) {
@@ -83,7 +83,7 @@ static stilb_result view_lights(gltf *from)
 		else
 			importer_lose(from->import, IMPORTER_LOSS_LIGHTS, name);
 	}
-	return gltf_json_check(&from->json);
+	return scene_json_check(&from->json);
 }
 
 /* ---- cameras ----------------------------------------------------------------------------------------------------- */
@@ -91,13 +91,13 @@ static stilb_result view_lights(gltf *from)
 /* Adds a perspective camera at a node. False: it is of another kind or out of range. */
 static bool view_camera(gltf *from, const gltf_node *node, uint32_t index, const char *name)
 {
-	gltf_json *json = &from->json;
-	uint32_t perspective = gltf_json_member(json, from->lists[GLTF_CAMERAS].items[index], "perspective");
+	scene_json *json = &from->json;
+	uint32_t perspective = scene_json_member(json, from->lists[GLTF_CAMERAS].items[index], "perspective");
 	if (perspective == GLTF_NONE)
 		return false;
 	stilb_scene_mount mount = view_mount(from, node);
 	return importer_add_camera(from->import, name, &mount, &node->to_world,
-	                           (float)gltf_json_number(json, perspective, "yfov", 0.0));
+	                           (float)scene_json_number(json, perspective, "yfov", 0.0));
 }
 
 /* The index of a node's camera, or GLTF_NONE. */
@@ -127,7 +127,7 @@ static stilb_result view_cameras(gltf *from)
 		if (!view_camera(from, &from->nodes[n], index, name))
 			importer_lose(from->import, IMPORTER_LOSS_CAMERAS, name);
 	}
-	return gltf_json_check(&from->json);
+	return scene_json_check(&from->json);
 }
 
 stilb_result gltf_add_view(gltf *from)

@@ -1,23 +1,26 @@
-#include "scene/importer/gltf/gltf_json.h"
+#include "scene/open/scene_json.h"
 
 #include <ctype.h>
+#include <locale.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#define JSON_NUMBER 64u /* bytes of a number's text, with the 0 behind it; a double needs 24 */
+
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 typedef struct json_reader {
-	gltf_json *json;
+	scene_json *json;
 	uint32_t at, capacity;
-	uint32_t open[GLTF_JSON_DEPTH]; /* the containers around the place, outermost first */
+	uint32_t open[SCENE_JSON_DEPTH]; /* the containers around the place, outermost first */
 	uint32_t depth;
 } json_reader;
 
 /* The line and the column, counted from 1, of a byte. */
-static void json_place(const gltf_json *json, uint32_t at, uint32_t place[2])
+static void json_place(const scene_json *json, uint32_t at, uint32_t place[2])
 {
 	place[0] = 1;
 	place[1] = 1;
@@ -41,32 +44,32 @@ static stilb_result json_expected(const json_reader *reader, const char *what)
 /* The next byte that is no blank; 0 at the end. */
 static char json_peek(json_reader *reader)
 {
-	const gltf_json *json = reader->json;
+	const scene_json *json = reader->json;
 	while (reader->at < json->size && strchr(" \t\r\n", json->text[reader->at]) && json->text[reader->at])
 		reader->at++;
 	return (char)(reader->at < json->size ? json->text[reader->at] : '\0');
 }
 
 /* Adds a token of this kind that begins here. */
-static stilb_result json_add(json_reader *reader, gltf_json_kind kind, uint32_t at, uint32_t size)
+static stilb_result json_add(json_reader *reader, scene_json_kind kind, uint32_t at, uint32_t size)
 {
-	gltf_json *json = reader->json;
+	scene_json *json = reader->json;
 	if (json->count == reader->capacity) {
 		uint64_t capacity = 2ull * reader->capacity + 256;
-		gltf_json_token *more = capacity < UINT32_MAX ? realloc(json->tokens, (size_t)capacity * sizeof *more) : NULL;
+		scene_json_token *more = capacity < UINT32_MAX ? realloc(json->tokens, (size_t)capacity * sizeof *more) : NULL;
 		if (!more)
 			return stilb_fail(STILB_ERROR_MEMORY, "no memory for its JSON");
 		json->tokens = more;
 		reader->capacity = (uint32_t)capacity;
 	}
-	json->tokens[json->count] = (gltf_json_token){at, size, json->count + 1, kind};
+	json->tokens[json->count] = (scene_json_token){at, size, json->count + 1, kind};
 	json->count++;
 	return STILB_OK;
 }
 
 static stilb_result json_read_string(json_reader *reader)
 {
-	const gltf_json *json = reader->json;
+	const scene_json *json = reader->json;
 	if (json_peek(reader) != '"')
 		return json_expected(reader, "a key in quotes");
 	uint32_t from = ++reader->at;
@@ -76,7 +79,7 @@ static stilb_result json_read_string(json_reader *reader)
 		reader->at = reader->at < json->size ? reader->at : json->size;
 		return json_expected(reader, "the end of a string");
 	}
-	return json_add(reader, GLTF_JSON_STRING, from, reader->at++ - from);
+	return json_add(reader, SCENE_JSON_STRING, from, reader->at++ - from);
 }
 
 /* Passes over digits; false: there are none. */
@@ -108,15 +111,22 @@ static stilb_result json_read_number(json_reader *reader)
 		json_skip_one(reader, "+-");
 		good = json_skip_digits(reader);
 	}
-	return good ? json_add(reader, GLTF_JSON_NUMBER, from, reader->at - from) : json_expected(reader, "a digit");
+	if (!good)
+		return json_expected(reader, "a digit");
+	uint32_t size = reader->at - from;
+	if (size >= JSON_NUMBER) {
+		reader->at = from;
+		return json_expected(reader, "a number of 63 signs at most");
+	}
+	return json_add(reader, SCENE_JSON_NUMBER, from, size);
 }
 
 static stilb_result json_read_word(json_reader *reader)
 {
 	static const struct {
 		const char *word;
-		gltf_json_kind kind;
-	} words[] = {{"null", GLTF_JSON_NULL}, {"false", GLTF_JSON_FALSE}, {"true", GLTF_JSON_TRUE}};
+		scene_json_kind kind;
+	} words[] = {{"null", SCENE_JSON_NULL}, {"false", SCENE_JSON_FALSE}, {"true", SCENE_JSON_TRUE}};
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
 		size_t size = strlen(words[i].word);
 		if (reader->json->size - reader->at < size || memcmp(reader->json->text + reader->at, words[i].word, size) != 0)
@@ -127,10 +137,10 @@ static stilb_result json_read_word(json_reader *reader)
 	return json_expected(reader, "a value");
 }
 
-static stilb_result json_open(json_reader *reader, gltf_json_kind kind)
+static stilb_result json_open(json_reader *reader, scene_json_kind kind)
 {
-	if (reader->depth == GLTF_JSON_DEPTH)
-		return stilb_fail(STILB_ERROR_FILE, "its JSON is nested more than %d deep", GLTF_JSON_DEPTH);
+	if (reader->depth == SCENE_JSON_DEPTH)
+		return stilb_fail(STILB_ERROR_FILE, "its JSON is nested more than %d deep", SCENE_JSON_DEPTH);
 	reader->open[reader->depth++] = reader->json->count;
 	return json_add(reader, kind, reader->at++, 0);
 }
@@ -140,16 +150,16 @@ static stilb_result json_read_value(json_reader *reader)
 {
 	char c = json_peek(reader);
 	if (c == '{')
-		return json_open(reader, GLTF_JSON_OBJECT);
+		return json_open(reader, SCENE_JSON_OBJECT);
 	if (c == '[')
-		return json_open(reader, GLTF_JSON_ARRAY);
+		return json_open(reader, SCENE_JSON_ARRAY);
 	if (c == '"')
 		return json_read_string(reader);
 	return c == '-' || isdigit((unsigned char)c) ? json_read_number(reader) : json_read_word(reader);
 }
 
 /* The container around the place; only inside of one. */
-static gltf_json_token *json_around(const json_reader *reader)
+static scene_json_token *json_around(const json_reader *reader)
 {
 	STILB_ASSERT(reader->depth > 0);
 	return &reader->json->tokens[reader->open[reader->depth - 1]];
@@ -160,9 +170,9 @@ static gltf_json_token *json_around(const json_reader *reader)
 static stilb_result json_go_on(json_reader *reader)
 {
 	while (reader->depth > 0) {
-		gltf_json_token *around = json_around(reader);
+		scene_json_token *around = json_around(reader);
 		bool empty = around + 1 == reader->json->tokens + reader->json->count;
-		char c = json_peek(reader), end = around->kind == GLTF_JSON_OBJECT ? '}' : ']';
+		char c = json_peek(reader), end = around->kind == SCENE_JSON_OBJECT ? '}' : ']';
 		if (c == end) {
 			around->next = reader->json->count;
 			reader->depth--;
@@ -183,7 +193,7 @@ static stilb_result json_read(json_reader *reader)
 	if (result == STILB_OK)
 		result = json_go_on(reader);
 	while (result == STILB_OK && reader->depth > 0) {
-		if (json_around(reader)->kind == GLTF_JSON_OBJECT) {
+		if (json_around(reader)->kind == SCENE_JSON_OBJECT) {
 			result = json_read_string(reader);
 			if (result == STILB_OK && json_peek(reader) != ':')
 				result = json_expected(reader, "':'");
@@ -199,10 +209,10 @@ static stilb_result json_read(json_reader *reader)
 	return result;
 }
 
-stilb_result gltf_json_parse(gltf_json *json, const char *text, size_t size)
+stilb_result scene_json_parse(scene_json *json, const char *text, size_t size)
 {
 	STILB_ASSERT(json && (text || size == 0));
-	*json = (gltf_json){0};
+	*json = (scene_json){0};
 	if (size >= UINT32_MAX - 2)
 		return stilb_fail(STILB_ERROR_FILE, "its JSON is larger than 4 GiB");
 	if (size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) { /* a byte order mark, which some editors write */
@@ -214,24 +224,24 @@ stilb_result gltf_json_parse(gltf_json *json, const char *text, size_t size)
 	json_reader reader = {.json = json};
 	stilb_result result = json_read(&reader);
 	if (result != STILB_OK)
-		gltf_json_finish(json);
+		scene_json_finish(json);
 	return result;
 }
 
-void gltf_json_finish(gltf_json *json)
+void scene_json_finish(scene_json *json)
 {
 	free(json->tokens);
-	*json = (gltf_json){0};
+	*json = (scene_json){0};
 }
 
 /* ---- faults ------------------------------------------------------------------------------------------------------ */
 
-stilb_result gltf_json_check(const gltf_json *json)
+stilb_result scene_json_check(const scene_json *json)
 {
 	return json->fault[0] ? stilb_fail(STILB_ERROR_FILE, "%s", json->fault) : STILB_OK;
 }
 
-void gltf_json_blame(gltf_json *json, uint32_t token, const char *format, ...)
+void scene_json_blame(scene_json *json, uint32_t token, const char *format, ...)
 {
 	uint32_t place[2];
 	char words[128];
@@ -247,117 +257,119 @@ void gltf_json_blame(gltf_json *json, uint32_t token, const char *format, ...)
 
 /* ---- looking up -------------------------------------------------------------------------------------------------- */
 
-uint32_t gltf_json_member(gltf_json *json, uint32_t object, const char *key)
+uint32_t scene_json_member(scene_json *json, uint32_t object, const char *key)
 {
-	if (object == GLTF_NONE)
-		return GLTF_NONE;
+	if (object == SCENE_JSON_NONE)
+		return SCENE_JSON_NONE;
 	STILB_ASSERT(object < json->count);
-	if (json->tokens[object].kind != GLTF_JSON_OBJECT) {
-		gltf_json_blame(json, object, "it is not of type object, in which '%s' is looked for", key);
-		return GLTF_NONE;
+	if (json->tokens[object].kind != SCENE_JSON_OBJECT) {
+		scene_json_blame(json, object, "it is not of type object, in which '%s' is looked for", key);
+		return SCENE_JSON_NONE;
 	}
 	for (uint32_t at = object + 1; at < json->tokens[object].next; at = json->tokens[at + 1].next)
-		if (gltf_json_is(json, at, key))
+		if (scene_json_is(json, at, key))
 			return at + 1;
-	return GLTF_NONE;
+	return SCENE_JSON_NONE;
 }
 
-uint32_t gltf_json_first(const gltf_json *json, uint32_t container)
+uint32_t scene_json_first(const scene_json *json, uint32_t container)
 {
-	return container != GLTF_NONE && json->tokens[container].next > container + 1 ? container + 1 : GLTF_NONE;
+	return container != SCENE_JSON_NONE && json->tokens[container].next > container + 1 ? container + 1
+	                                                                                    : SCENE_JSON_NONE;
 }
 
-uint32_t gltf_json_after(const gltf_json *json, uint32_t container, uint32_t token)
+uint32_t scene_json_after(const scene_json *json, uint32_t container, uint32_t token)
 {
 	STILB_ASSERT(container < token && token < json->tokens[container].next);
 	uint32_t next = json->tokens[token].next;
-	return next < json->tokens[container].next ? next : GLTF_NONE;
+	return next < json->tokens[container].next ? next : SCENE_JSON_NONE;
 }
 
-uint32_t gltf_json_array(gltf_json *json, uint32_t object, const char *key)
+uint32_t scene_json_array(scene_json *json, uint32_t object, const char *key)
 {
-	uint32_t token = gltf_json_member(json, object, key);
-	if (token == GLTF_NONE || json->tokens[token].kind == GLTF_JSON_ARRAY)
+	uint32_t token = scene_json_member(json, object, key);
+	if (token == SCENE_JSON_NONE || json->tokens[token].kind == SCENE_JSON_ARRAY)
 		return token;
-	gltf_json_blame(json, token, "'%s' is not of type array", key);
-	return GLTF_NONE;
+	scene_json_blame(json, token, "'%s' is not of type array", key);
+	return SCENE_JSON_NONE;
 }
 
 /* The number of a token. Behind a number comes another sign of JSON, where strtod ends, unless it is all of the text,
- * which is then no glTF. */
-static double json_value(const gltf_json *json, uint32_t token)
+ * which nobody reads. */
+static double json_value(const scene_json *json, uint32_t token)
 {
-	char text[64];
-	uint32_t size = json->tokens[token].size;
-	snprintf(text, sizeof text, "%.*s", size < sizeof text ? (int)size : (int)sizeof text - 1,
-	         json->text + json->tokens[token].at);
+	char text[JSON_NUMBER];
+	snprintf(text, sizeof text, "%.*s", (int)json->tokens[token].size, json->text + json->tokens[token].at);
+	char *point = strchr(text, '.');
+	if (point) /* which the program's locale may write otherwise */
+		*point = *localeconv()->decimal_point;
 	return strtod(text, NULL);
 }
 
-bool gltf_json_numbers(gltf_json *json, uint32_t object, const char *key, float *out, uint32_t count)
+bool scene_json_numbers(scene_json *json, uint32_t object, const char *key, float *out, uint32_t count)
 {
 	STILB_ASSERT(count <= 16);
 	float numbers[16];
-	uint32_t array = gltf_json_array(json, object, key), found = 0;
-	if (array == GLTF_NONE)
+	uint32_t array = scene_json_array(json, object, key), found = 0;
+	if (array == SCENE_JSON_NONE)
 		return false;
-	for (uint32_t at = gltf_json_first(json, array); at != GLTF_NONE; at = gltf_json_after(json, array, at)) {
-		if (json->tokens[at].kind != GLTF_JSON_NUMBER || found == count) {
-			gltf_json_blame(json, at, "'%s' is not of type array of %u numbers", key, count);
+	for (uint32_t at = scene_json_first(json, array); at != SCENE_JSON_NONE; at = scene_json_after(json, array, at)) {
+		if (json->tokens[at].kind != SCENE_JSON_NUMBER || found == count) {
+			scene_json_blame(json, at, "'%s' is not of type array of %u numbers", key, count);
 			return false;
 		}
 		numbers[found++] = (float)json_value(json, at);
 	}
 	if (found < count) {
-		gltf_json_blame(json, array, "'%s' has %u numbers instead of %u", key, found, count);
+		scene_json_blame(json, array, "'%s' has %u numbers instead of %u", key, found, count);
 		return false;
 	}
 	memcpy(out, numbers, count * sizeof *out);
 	return true;
 }
 
-double gltf_json_value(const gltf_json *json, uint32_t token)
+double scene_json_value(const scene_json *json, uint32_t token)
 {
-	return json->tokens[token].kind == GLTF_JSON_NUMBER ? json_value(json, token) : (double)NAN;
+	return json->tokens[token].kind == SCENE_JSON_NUMBER ? json_value(json, token) : (double)NAN;
 }
 
-double gltf_json_number(gltf_json *json, uint32_t object, const char *key, double missing)
+double scene_json_number(scene_json *json, uint32_t object, const char *key, double missing)
 {
-	uint32_t token = gltf_json_member(json, object, key);
-	if (token == GLTF_NONE)
+	uint32_t token = scene_json_member(json, object, key);
+	if (token == SCENE_JSON_NONE)
 		return missing;
-	if (json->tokens[token].kind == GLTF_JSON_NUMBER)
+	if (json->tokens[token].kind == SCENE_JSON_NUMBER)
 		return json_value(json, token);
-	gltf_json_blame(json, token, "'%s' is not of type number", key);
+	scene_json_blame(json, token, "'%s' is not of type number", key);
 	return missing;
 }
 
-bool gltf_json_bool(gltf_json *json, uint32_t object, const char *key, bool missing)
+bool scene_json_bool(scene_json *json, uint32_t object, const char *key, bool missing)
 {
-	uint32_t token = gltf_json_member(json, object, key);
-	if (token == GLTF_NONE)
+	uint32_t token = scene_json_member(json, object, key);
+	if (token == SCENE_JSON_NONE)
 		return missing;
-	gltf_json_kind kind = json->tokens[token].kind;
-	if (kind != GLTF_JSON_TRUE && kind != GLTF_JSON_FALSE)
-		gltf_json_blame(json, token, "'%s' is not of type true or false", key);
-	return kind == GLTF_JSON_TRUE;
+	scene_json_kind kind = json->tokens[token].kind;
+	if (kind != SCENE_JSON_TRUE && kind != SCENE_JSON_FALSE)
+		scene_json_blame(json, token, "'%s' is not of type true or false", key);
+	return kind == SCENE_JSON_TRUE;
 }
 
-uint64_t gltf_json_whole(gltf_json *json, uint32_t token)
+uint64_t scene_json_whole(scene_json *json, uint32_t token)
 {
-	double value = json->tokens[token].kind == GLTF_JSON_NUMBER ? json_value(json, token) : -1.0;
-	if (value >= 0.0 && value <= (double)GLTF_JSON_EXACT && floor(value) == value)
+	double value = json->tokens[token].kind == SCENE_JSON_NUMBER ? json_value(json, token) : -1.0;
+	if (value >= 0.0 && value <= (double)SCENE_JSON_EXACT && floor(value) == value)
 		return (uint64_t)value;
-	gltf_json_blame(json, token, "it is not of type whole number >= 0");
+	scene_json_blame(json, token, "it is not of type whole number >= 0");
 	return UINT64_MAX;
 }
 
-uint64_t gltf_json_size(gltf_json *json, uint32_t object, const char *key, uint64_t missing)
+uint64_t scene_json_size(scene_json *json, uint32_t object, const char *key, uint64_t missing)
 {
-	uint32_t token = gltf_json_member(json, object, key);
-	if (token == GLTF_NONE)
+	uint32_t token = scene_json_member(json, object, key);
+	if (token == SCENE_JSON_NONE)
 		return missing;
-	uint64_t value = gltf_json_whole(json, token);
+	uint64_t value = scene_json_whole(json, token);
 	return value == UINT64_MAX ? missing : value;
 }
 
@@ -414,14 +426,14 @@ static size_t json_unescape(const char *text, size_t left, char out[4], size_t *
 	return pair ? 11 : 5;
 }
 
-size_t gltf_json_copy(gltf_json *json, uint32_t token, char *out, size_t room)
+size_t scene_json_copy(scene_json *json, uint32_t token, char *out, size_t room)
 {
 	STILB_ASSERT(room > 0);
 	out[0] = '\0';
-	if (token == GLTF_NONE)
+	if (token == SCENE_JSON_NONE)
 		return 0;
-	if (json->tokens[token].kind != GLTF_JSON_STRING) {
-		gltf_json_blame(json, token, "it is not of type string");
+	if (json->tokens[token].kind != SCENE_JSON_STRING) {
+		scene_json_blame(json, token, "it is not of type string");
 		return 0;
 	}
 	const char *text = json->text + json->tokens[token].at;
@@ -443,14 +455,14 @@ size_t gltf_json_copy(gltf_json *json, uint32_t token, char *out, size_t room)
 	return whole;
 }
 
-size_t gltf_json_string(gltf_json *json, uint32_t object, const char *key, char *out, size_t room)
+size_t scene_json_string(scene_json *json, uint32_t object, const char *key, char *out, size_t room)
 {
-	return gltf_json_copy(json, gltf_json_member(json, object, key), out, room);
+	return scene_json_copy(json, scene_json_member(json, object, key), out, room);
 }
 
-bool gltf_json_is(const gltf_json *json, uint32_t token, const char *text)
+bool scene_json_is(const scene_json *json, uint32_t token, const char *text)
 {
 	size_t size = strlen(text);
-	return token != GLTF_NONE && json->tokens[token].kind == GLTF_JSON_STRING && json->tokens[token].size == size &&
-	       memcmp(json->text + json->tokens[token].at, text, size) == 0;
+	return token != SCENE_JSON_NONE && json->tokens[token].kind == SCENE_JSON_STRING &&
+	       json->tokens[token].size == size && memcmp(json->text + json->tokens[token].at, text, size) == 0;
 }

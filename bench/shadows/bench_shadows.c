@@ -1,0 +1,90 @@
+/* The suite `shadows`: triangles of a sun's maps, recording of views of lights, and lamps of which some move. */
+#include "bench/harness/bench.h"
+
+#define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
+
+static const bench_metric triangles_metrics[] = {
+	{"main", "k", true, NULL},     {"maps", "k", true, NULL},           {"ratio", "x", true, NULL},
+	{"main-off", "k", true, NULL}, {"maps-off", "k", true, NULL},       {"ratio-off", "x", true, NULL},
+	{"casters", "", true, NULL},   {"frame-without", "ms", true, NULL}, {"frame-maps", "ms", true, NULL},
+};
+
+static const bench_metric record_metrics[] = {
+	{"draw", "ns", true, NULL}, {"caster", "ns", true, NULL}, {"ratio", "x", true, NULL}, {"two", "x", false, NULL}};
+
+static const bench_metric lamps_metrics[] = {
+	{"still", "", true, NULL},          {"moving", "", true, NULL}, {"of-8", "ms", true, NULL},
+	{"of-64", "ms", true, NULL},        {"ratio", "x", true, NULL}, {"ratio-moving", "x", true, NULL},
+	{"ratio-without", "x", true, NULL},
+};
+
+static const bench_case cases[] = {
+	{.name = "triangles-225",
+     .title = "three cascades of 1024 texels, 225 spheres, 1280 x 720",
+     .metrics = triangles_metrics,
+     .metric_count = COUNT(triangles_metrics)},
+	{.name = "triangles-1000",
+     .title = "three cascades of 1024 texels, 1,000 spheres, 1280 x 720",
+     .metrics = triangles_metrics,
+     .metric_count = COUNT(triangles_metrics)},
+	{.name = "triangles-10000",
+     .title = "three cascades of 1024 texels, 10,000 spheres, 1280 x 720",
+     .metrics = triangles_metrics,
+     .metric_count = COUNT(triangles_metrics)},
+	{.name = "record",
+     .title = "recording of eight cascades, 10,000 spheres that move",
+     .metrics = record_metrics,
+     .metric_count = COUNT(record_metrics)},
+	{.name = "lamps",
+     .title = "64 lamps with shadows of which eight move, 640 x 360",
+     .metrics = lamps_metrics,
+     .metric_count = COUNT(lamps_metrics)},
+};
+
+static const bench_subject subjects[] = {
+	{.name = "stilb",
+     .program = "stilb-bench-shadows",
+     .note =
+         "main: triangles of the camera's view; maps: those of all maps, drawn anew; -off: with --lod off; casters: "
+         "draws of the maps; frame: CPU time, without shadows and with all maps drawn; draw, caster: CPU time of "
+         "recording and culling for each draw of the camera's view and of the maps; two: two threads over one; "
+         "still, moving: lights whose maps a frame draws under a camera that stands still and under one that moves, "
+         "at most; of-8, of-64: CPU time of a frame with so many lamps, as many of them at a point; ratio-without: "
+         "without shadows"},
+};
+
+typedef struct goal {
+	const char *on, *metric, *words;
+	double bound;
+	bool least;
+} goal;
+
+static void print_goals(FILE *out, const bench_results *results)
+{
+	static const goal goals[] = {
+		{"triangles-10000", "ratio", "triangles of maps over the view's", 1.0, false},
+		{"triangles-10000", "ratio-off", "the same with --lod off", 0.4, false},
+		{"record", "ratio", "a caster over a draw", 1.05, false},
+		{"record", "two", "two threads", 1.8, true},
+		{"lamps", "still", "lights drawn anew, eight moving", 8.0, false},
+		{"lamps", "moving", "the same under a camera that moves", 12.0, false},
+		{"lamps", "ratio", "a frame with 64 lamps over one with 8", 1.1, false},
+	};
+	fputc('\n', out);
+	for (size_t i = 0; i < COUNT(goals); i++) {
+		const goal *g = &goals[i];
+		const bench_row *row = bench_find(results, g->on, "stilb", g->metric);
+		if (!row)
+			continue;
+		bool met = g->least ? row->median >= g->bound : row->median <= g->bound;
+		fprintf(out, "goal: %s: %.2f, %.2f: %s\n", g->words, row->median, g->bound, met ? "met" : "MISSED");
+	}
+}
+
+const bench_suite bench_shadows_suite = {.name = "shadows",
+                                         .help = "shadow maps: their triangles, their recording, lamps that move",
+                                         .subjects = subjects,
+                                         .subject_count = COUNT(subjects),
+                                         .cases = cases,
+                                         .case_count = COUNT(cases),
+                                         .goals = print_goals};

@@ -1,0 +1,97 @@
+/* The chain: what there is of it. */
+#include "post/post_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define POST_NAME(id, name, text) name,
+const char *const stilb_post_bloom_format_names[] = {STILB_POST_BLOOM_FORMATS(POST_NAME) NULL};
+
+static bool post_is_share(float value)
+{
+	return value >= 0.0f && value <= 1.0f;
+}
+
+bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
+{
+	STILB_ASSERT(settings);
+	return post_is_share(settings->occlusion) && settings->occlusion_radius >= 0.0f &&
+	       isfinite(settings->occlusion_radius) && post_is_share(settings->bloom) &&
+	       post_is_share(settings->bloom_width) && (unsigned)settings->bloom_format < STILB_POST_BLOOM_FORMATS_COUNT;
+}
+
+/* ---- the chain --------------------------------------------------------------------------------------------------- */
+
+static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *light)
+{
+	stilb_post *post = user;
+	return post->settings.bloom > 0.0f ? post_bloom_add(post, plan, light) : STILB_OK;
+}
+
+static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t *ambient)
+{
+	stilb_post *post = user;
+	return post->settings.occlusion > 0.0f && post->sees ? post_occlusion_add(post, plan, ambient) : STILB_OK;
+}
+
+stilb_result stilb_post_create(stilb_render *render, stilb_post **post)
+{
+	STILB_ASSERT(render && post);
+	stilb_gpu_sampler_desc linear = {.linear = true};
+	*post = NULL;
+	stilb_post *made = calloc(1, sizeof *made);
+	if (!made)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the chain of effects");
+	made->render = render;
+	stilb_result result = stilb_gpu_sampler_get(stilb_render_gpu(render), &linear, &made->linear);
+	if (result == STILB_OK)
+		result = stilb_render_add_feature(
+			render,
+			&(stilb_render_feature){.stage = STILB_RENDER_STAGE_AMBIENT, .add = post_add_ambient, .user = made});
+	if (result == STILB_OK)
+		result = stilb_render_add_feature(
+			render, &(stilb_render_feature){.stage = STILB_RENDER_STAGE_LIGHT, .add = post_add_light, .user = made});
+	if (result != STILB_OK) {
+		stilb_render_remove_feature(render, made);
+		free(made);
+		return result;
+	}
+	*post = made;
+	return STILB_OK;
+}
+
+void stilb_post_destroy(stilb_post *post)
+{
+	if (!post)
+		return;
+	stilb_render_remove_feature(post->render, post);
+	for (uint32_t f = 0; f < STILB_POST_BLOOM_FORMATS_COUNT; f++)
+		for (uint32_t p = 0; p < POST_PROGRAMS; p++)
+			if (post->programs[f][p].id)
+				stilb_gpu_program_destroy(stilb_render_gpu(post->render), post->programs[f][p]);
+	free(post);
+}
+
+void stilb_post_set(stilb_post *post, const stilb_post_settings *settings)
+{
+	STILB_ASSERT(post && settings && stilb_post_settings_are_valid(settings));
+	post->settings = *settings;
+	if (post->settings.bloom_width == 0.0f)
+		post->settings.bloom_width = POST_BLOOM_DEFAULT_WIDTH;
+	if (post->settings.occlusion_radius == 0.0f)
+		post->settings.occlusion_radius = POST_OCCLUSION_DEFAULT_RADIUS;
+}
+
+void stilb_post_see(stilb_post *post, const stilb_render_view *view)
+{
+	STILB_ASSERT(post && view && isfinite(view->exposure));
+	stilb_mat4 around = stilb_mat4_identity();
+	memcpy(&around.m[12], view->camera_position, sizeof view->camera_position);
+	around = stilb_mat4_multiply(view->view_projection, around);
+	post->exposure = view->exposure;
+	post->from_clip = stilb_mat4_inverse(&around);
+	post->sees = post->from_clip.m[15] != 0.0f || post->from_clip.m[11] != 0.0f;
+	for (int i = 0; i < 16; i++)
+		post->sees &= isfinite(post->from_clip.m[i]);
+}

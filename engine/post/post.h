@@ -1,0 +1,86 @@
+/*
+ * post: what happens to a frame's light between the scene and the display. Rows in the frame's plan, each of which is
+ * there only while its effect is asked for.
+ *
+ * Chain      In this order, whatever was asked for first:
+ *              occlusion  stage AMBIENT  ambient light where surfaces are in each other's way
+ *              bloom      stage LIGHT    light that the lens scatters
+ *            The tone map follows (render.h).
+ * Occlusion  From the frame's depth, in half the size: how much of the hemisphere over each pixel is open, weighted by
+ *            the cosine; what is nearer than the radius hides its directions, less the farther it is. It darkens the
+ *            image "ambient" alone (render_images.h), so views need ambient_apart, and pictures one sample a pixel: in
+ *            others there is no such row. What depth does not show hides nothing.
+ * Bloom      A share of each pixel's light goes to pixels around it, the rest stays: no light is made or lost but at
+ *            the picture's edges, where it is mirrored. The pattern is a sum of ever wider ones, each twice as wide as
+ *            the one before: the light is halved in size again and again, and added up on the way back. Both ways the
+ *            weights are those of a quadratic B-spline, whose sums are the same wherever a pixel lies, so that what
+ *            moves does not flicker. NaN and infinite light stays where it is and scatters nothing.
+ *            With FIXED the images between hold T(c) = c / (1 + c's largest channel) in 8 bits, half the bytes.
+ * Sources    Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion" (2008), and Jimenez, Wu, Pesce,
+ *            Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion" (2016), for occlusion; Karis,
+ *            "Tone mapping" (2013), for T; Jimenez, "Next Generation Post Processing in Call of Duty: Advanced
+ *            Warfare" (2014), for the chain of halves.
+ * Life       stilb_post_create, stilb_post_set whenever settings change, stilb_post_destroy before the renderer.
+ * Threads    [main-thread] of the renderer, all of them.
+ */
+#ifndef STILB_POST_H
+#define STILB_POST_H
+
+#include "base/base.h"
+#include "render/render.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
+/* In which images bloom adds light up. */
+#define STILB_POST_BLOOM_FORMATS(X)                                                                                    \
+	X(HALF, "half", "half floats")                                                                                     \
+	X(FIXED, "fixed", "8 bits, through a tone curve and back")
+
+#define STILB_POST_BLOOM_ENUM(id, ...) STILB_POST_BLOOM_##id,
+typedef enum stilb_post_bloom_format {
+	STILB_POST_BLOOM_FORMATS(STILB_POST_BLOOM_ENUM) STILB_POST_BLOOM_FORMATS_COUNT
+} stilb_post_bloom_format;
+#undef STILB_POST_BLOOM_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_post_bloom_format. */
+extern const char *const stilb_post_bloom_format_names[];
+
+/* {0}: no effect. */
+typedef struct stilb_post_settings {
+	float occlusion;        /* by how much ambient light is darker where it is hidden, 0..1; 0: there is no such row */
+	float occlusion_radius; /* metres, >= 0 and finite; 0: 1 */
+	float bloom;            /* the share of light that is scattered, 0..1; 0: there is no such row. Lenses: .02 to .1 */
+	float bloom_width;      /* of what is scattered, the share that each twice as wide pattern gets in place of the one
+	                      before it, 0..1; 0: 0.6. The narrowest spans some 3 pixels in a picture of 360 rows, and as
+	                      large a part of larger ones; the widest about half of the picture */
+	stilb_post_bloom_format bloom_format;
+} stilb_post_settings;
+
+/* True if all numbers are finite and in their ranges. [any-thread] */
+bool stilb_post_settings_are_valid(const stilb_post_settings *settings);
+
+typedef struct stilb_post stilb_post;
+
+/* Adds the chain to the renderer's frames, without effects. STILB_ERROR_ARGUMENT: the renderer has no room for more
+ * features. STILB_ERROR_MEMORY. On failure *post is NULL. */
+stilb_result stilb_post_create(stilb_render *render, stilb_post **post);
+/* Accepts NULL. */
+void stilb_post_destroy(stilb_post *post);
+
+/* From the next replay on. settings: valid. Programs that a setting needs for the first time are compiled by that
+ * replay. */
+void stilb_post_set(stilb_post *post, const stilb_post_settings *settings);
+
+/* What the next replay's view into the main images sees: read are view_projection, camera_position, exposure. At first
+ * a view of zeros, by which nothing is occluded. */
+void stilb_post_see(stilb_post *post, const stilb_render_view *view);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
+
+#endif

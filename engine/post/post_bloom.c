@@ -1,0 +1,120 @@
+/* Bloom: the light is halved in size until it is a few texels high, and added up on the way back. */
+#include "post/post_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#define BLOOM_MAX_LEVELS 12u
+#define BLOOM_SMALLEST 4u /* texels of a level's shorter side, at least, but for the first one's */
+#define BLOOM_ROWS 360.0f /* of a picture whose first level scatters light; levels that are finer lead to it alone */
+
+/* As the shaders have it. */
+typedef struct bloom_push {
+	float texel[2]; /* 1 / the texels of the image that is filtered */
+	float share;    /* of that image in what is written */
+	float exposure; /* factor */
+} bloom_push;
+
+/* A level is half as large as the one before it, the first half as large as the light; rounded up. */
+typedef struct bloom_level {
+	uint16_t halved; /* the light in this size */
+	uint16_t summed; /* what is scattered from this level on; of the last one `halved` */
+	uint32_t width, height;
+} bloom_level;
+
+typedef struct bloom_chain {
+	stilb_post *post;
+	stilb_gpu_plan *plan;
+	bloom_level levels[BLOOM_MAX_LEVELS];
+	uint32_t count;
+} bloom_chain;
+
+static const char *const bloom_halved_names[BLOOM_MAX_LEVELS] = {
+	"bloom halved",   "bloom halved 2", "bloom halved 3", "bloom halved 4",  "bloom halved 5",  "bloom halved 6",
+	"bloom halved 7", "bloom halved 8", "bloom halved 9", "bloom halved 10", "bloom halved 11", "bloom halved 12"};
+static const char *const bloom_summed_names[BLOOM_MAX_LEVELS] = {"bloom",   "bloom 2",  "bloom 3",  "bloom 4",
+                                                                 "bloom 5", "bloom 6",  "bloom 7",  "bloom 8",
+                                                                 "bloom 9", "bloom 10", "bloom 11", "bloom 12"};
+
+static uint16_t bloom_image(const bloom_chain *chain, const char *name, const bloom_level *level)
+{
+	bool fixed = chain->post->settings.bloom_format == STILB_POST_BLOOM_FIXED;
+	stilb_gpu_plan_image_row row = {.name = name,
+	                                .format = fixed ? STILB_GPU_RGBA8_SRGB : STILB_GPU_RGBA16_F,
+	                                .width = level->width,
+	                                .height = level->height};
+	return stilb_gpu_plan_image(chain->plan, &row);
+}
+
+/* Adds the images of all levels that a light of this size has. */
+static void bloom_levels(bloom_chain *chain, uint32_t width, uint32_t height)
+{
+	do {
+		bloom_level *level = &chain->levels[chain->count];
+		width = level->width = (width + 1) / 2;
+		height = level->height = (height + 1) / 2;
+		level->halved = bloom_image(chain, bloom_halved_names[chain->count], level);
+		chain->count++;
+	} while (chain->count < BLOOM_MAX_LEVELS && width >= 2 * BLOOM_SMALLEST && height >= 2 * BLOOM_SMALLEST);
+	chain->levels[chain->count - 1].summed = chain->levels[chain->count - 1].halved;
+	for (uint32_t l = 0; l + 1 < chain->count; l++)
+		chain->levels[l].summed = bloom_image(chain, bloom_summed_names[l], &chain->levels[l]);
+}
+
+/* Adds a pass that filters an image of the size of width x height, and reads a second one, 0: none, texel by texel. */
+static stilb_result bloom_pass(bloom_chain *chain, post_program number, uint16_t out, uint16_t filtered, uint32_t width,
+                               uint32_t height, uint16_t plain, float share)
+{
+	static const char *const names[POST_PROGRAMS] = {"bloom halved", "bloom halved", "bloom summed", "bloom"};
+	stilb_gpu_program program;
+	stilb_result result = post_program_get(chain->post, chain->post->settings.bloom_format, number, &program);
+	if (result != STILB_OK)
+		return result;
+	bloom_push push = {
+		.texel = {1.0f / (float)width, 1.0f / (float)height}, .share = share, .exposure = exp2f(chain->post->exposure)};
+	stilb_gpu_pass pass = {
+		.name = names[number],
+		.kind = STILB_GPU_PASS_FULLSCREEN,
+		.program = program.id,
+		.color = {{.image = out, .load = STILB_GPU_LOAD_DISCARD}},
+		.color_count = 1,
+		.uses = {{.resource = filtered, .how = STILB_GPU_USE_SAMPLED, .sampler = chain->post->linear.id},
+	             {.resource = plain, .how = STILB_GPU_USE_SAMPLED, .slot = 1}},
+		.use_count = plain != 0 ? 2 : 1,
+		.constant_bytes = sizeof push,
+	};
+	memcpy(pass.constants, &push, sizeof push);
+	stilb_gpu_plan_pass(chain->plan, &pass);
+	return STILB_OK;
+}
+
+stilb_result post_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light)
+{
+	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, *light);
+	stilb_gpu_plan_image_row row = {
+		.name = "bloomed", .format = extent->format, .width = extent->width, .height = extent->height};
+	uint32_t width = extent->width, height = extent->height;
+	bloom_chain chain = {.post = post, .plan = plan};
+	bloom_levels(&chain, width, height);
+	uint16_t bloomed = stilb_gpu_plan_image(plan, &row);
+	stilb_result result = STILB_OK;
+	for (uint32_t l = 0; l < chain.count && result == STILB_OK; l++) {
+		const bloom_level *level = &chain.levels[l], *finer = level - 1;
+		result = l == 0 ? bloom_pass(&chain, POST_BLOOM_HALVE_FIRST, level->halved, *light, width, height, 0, 0.0f)
+		                : bloom_pass(&chain, POST_BLOOM_HALVE, level->halved, finer->halved, finer->width,
+		                             finer->height, 0, 0.0f);
+	}
+	float first = roundf(log2f((float)height / BLOOM_ROWS)); /* level that scatters light */
+	for (uint32_t l = chain.count - 1; l-- > 0 && result == STILB_OK;) {
+		const bloom_level *level = &chain.levels[l], *wider = level + 1;
+		float share = (float)l < first ? 1.0f : post->settings.bloom_width;
+		result = bloom_pass(&chain, POST_BLOOM_DOUBLE, level->summed, wider->summed, wider->width, wider->height,
+		                    level->halved, share);
+	}
+	const bloom_level *finest = &chain.levels[0];
+	if (result == STILB_OK)
+		result = bloom_pass(&chain, POST_BLOOM_ADD, bloomed, finest->summed, finest->width, finest->height, *light,
+		                    post->settings.bloom);
+	*light = bloomed;
+	return result;
+}

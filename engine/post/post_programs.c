@@ -1,0 +1,36 @@
+/* The programs of all effects. */
+#include "post/post_internal.h"
+
+stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, post_program number,
+                              stilb_gpu_program *program)
+{
+	static const struct {
+		const char *name;
+		const stilb_gpu_shader *shader;
+		uint8_t samplers;
+	} programs[POST_PROGRAMS] = {
+		[POST_BLOOM_HALVE_FIRST] = {"bloom halved", &post_shader_bloom_halve, 1},
+		[POST_BLOOM_HALVE] = {"bloom halved", &post_shader_bloom_halve, 1},
+		[POST_BLOOM_DOUBLE] = {"bloom doubled", &post_shader_bloom_double, 2},
+		[POST_BLOOM_ADD] = {"bloom added", &post_shader_bloom_add, 2},
+		[POST_OCCLUSION] = {"occlusion", &post_shader_occlusion, 1},
+		[POST_OCCLUSION_SMOOTH] = {"occlusion smoothed", &post_shader_occlusion_smooth, 1},
+		[POST_OCCLUSION_APPLY] = {"ambient occluded", &post_shader_occlusion_apply, 3},
+	};
+	stilb_gpu_program *made = &post->programs[format][number];
+	stilb_result result = STILB_OK;
+	if (made->id == 0) {
+		stilb_gpu_program_desc desc = {
+			.name = programs[number].name,
+			.fragment = *programs[number].shader,
+			.samplers = programs[number].samplers,
+			.constant_count = number <= POST_BLOOM_HALVE ? 2
+		                      : number <= POST_BLOOM_ADD ? 1
+		                                                 : 0,
+			.constants = {{0, format == STILB_POST_BLOOM_FIXED}, {1, number == POST_BLOOM_HALVE_FIRST}},
+		};
+		result = stilb_gpu_program_create(stilb_render_gpu(post->render), &desc, made);
+	}
+	*program = *made;
+	return result;
+}

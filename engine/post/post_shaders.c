@@ -1,0 +1,32 @@
+/* SPIR-V that the build makes from shaders/. There is no function here: gcc's analyzer keeps the value of each word. */
+#include "post/post_internal.h"
+#include "shader_sources.h"
+
+static const uint32_t bloom_halve_frag[] =
+#include "bloom_halve.frag.inc"
+	;
+static const uint32_t bloom_double_frag[] =
+#include "bloom_double.frag.inc"
+	;
+static const uint32_t bloom_add_frag[] =
+#include "bloom_add.frag.inc"
+	;
+static const uint32_t occlusion_frag[] =
+#include "occlusion.frag.inc"
+	;
+static const uint32_t occlusion_smooth_frag[] =
+#include "occlusion_smooth.frag.inc"
+	;
+static const uint32_t occlusion_apply_frag[] =
+#include "occlusion_apply.frag.inc"
+	;
+
+const stilb_gpu_shader post_shader_occlusion = {occlusion_frag, sizeof occlusion_frag, SOURCE_occlusion_frag};
+const stilb_gpu_shader post_shader_occlusion_smooth = {occlusion_smooth_frag, sizeof occlusion_smooth_frag,
+                                                       SOURCE_occlusion_smooth_frag};
+const stilb_gpu_shader post_shader_occlusion_apply = {occlusion_apply_frag, sizeof occlusion_apply_frag,
+                                                      SOURCE_occlusion_apply_frag};
+const stilb_gpu_shader post_shader_bloom_halve = {bloom_halve_frag, sizeof bloom_halve_frag, SOURCE_bloom_halve_frag};
+const stilb_gpu_shader post_shader_bloom_double = {bloom_double_frag, sizeof bloom_double_frag,
+                                                   SOURCE_bloom_double_frag};
+const stilb_gpu_shader post_shader_bloom_add = {bloom_add_frag, sizeof bloom_add_frag, SOURCE_bloom_add_frag};

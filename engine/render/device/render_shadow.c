@@ -1,0 +1,71 @@
+/* The image of shadow maps that passes read. */
+#include "render/device/render_images.h"
+#include "render/render_internal.h"
+
+/* The image in place of maps, of one texel, which nothing writes: programs without shadows do not look at it. */
+static stilb_result shadow_none(render_device *device)
+{
+	if (device->no_shadows.id == 0) {
+		stilb_gpu_image_desc desc = {.name = STILB_RENDER_IMAGE_NO_SHADOWS,
+		                             .extent = {.format = STILB_GPU_R32_F,
+		                                        .width = 1,
+		                                        .height = 1,
+		                                        .depth = 1,
+		                                        .layers = 2, /* an array */
+		                                        .mips = 1,
+		                                        .samples = 1,
+		                                        .uses = 1u << STILB_GPU_USE_SAMPLED}};
+		stilb_result result = stilb_gpu_image_create(device->gpu, &desc, &device->no_shadows);
+		if (result != STILB_OK)
+			return result;
+	}
+	if (device->frame.no_shadows == 0)
+		device->frame.no_shadows = stilb_gpu_plan_image(device->plan, &(stilb_gpu_plan_image_row){
+																		  .name = STILB_RENDER_IMAGE_NO_SHADOWS,
+																		  .format = STILB_GPU_R32_F,
+																		  .width = 1,
+																		  .height = 1,
+																		  .layers = 2,
+																		  .owned = device->no_shadows.id,
+																	  });
+	return STILB_OK;
+}
+
+/* Clears layers that no pass has drawn: nothing is in front of a light there. Returns how many are read. */
+static uint16_t shadow_clear(render_device *device, const stilb_render_shadows *shadows, render_frame_target *target)
+{
+	uint16_t layers = 2; /* an array */
+	for (uint32_t m = 0; m < shadows->map_count; m++)
+		layers = layers > shadows->maps[m].layer ? layers : (uint16_t)(shadows->maps[m].layer + 1);
+	for (uint16_t layer = 0; layer < layers && !shadows->target->lasting; layer++) {
+		uint64_t *drawn = &target->layers_drawn[layer / 64], bit = UINT64_C(1) << layer % 64;
+		if (!(*drawn & bit))
+			stilb_gpu_plan_pass(device->plan,
+			                    &(stilb_gpu_pass){
+									.name = "no shadow",
+									.kind = STILB_GPU_PASS_DRAWS,
+									.draws = render_target_nothing(device),
+									.depth = {.image = target->depth, .layer = layer, .load = STILB_GPU_LOAD_CLEAR},
+								});
+		*drawn |= bit;
+	}
+	return layers;
+}
+
+stilb_result render_shadow_use(render_device *device, const render_stream *stream, stilb_gpu_pass *row)
+{
+	stilb_gpu_use use = {.how = STILB_GPU_USE_SAMPLED, .slot = row->use_count};
+	const stilb_render_shadows *shadows = stream->view ? stream->view->shadows : NULL;
+	if (stream->lights.bits & RENDER_LIGHTS_SHADOWS && shadows->map_count > 0) {
+		render_frame_target *target = render_target_get(device, shadows->target);
+		use.resource = target->depth;
+		use.layers = shadow_clear(device, shadows, target);
+	} else {
+		stilb_result result = shadow_none(device);
+		if (result != STILB_OK)
+			return result;
+		use.resource = device->frame.no_shadows;
+	}
+	row->uses[row->use_count++] = use;
+	return STILB_OK;
+}

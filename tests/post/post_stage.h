@@ -1,0 +1,121 @@
+/* Shared by the tests of post: frames whose light is a picture of the test's, and what the chain makes of it. */
+#ifndef POST_STAGE_H
+#define POST_STAGE_H
+
+#include "image/image.h"
+#include "post/post.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct post_stage {
+	stilb_render *render;
+	stilb_post *post;
+	stilb_gpu_image source;
+	uint32_t width, height;
+	float alpha; /* of the light's pixels */
+} post_stage;
+
+/* Puts the test's image in the place of the light. */
+static inline stilb_result stage_source(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	post_stage *s = user;
+	*image = stilb_gpu_plan_image(plan, &(stilb_gpu_plan_image_row){.name = "source",
+	                                                                .format = STILB_GPU_RGBA16_F,
+	                                                                .width = s->width,
+	                                                                .height = s->height,
+	                                                                .owned = s->source.id});
+	return STILB_OK;
+}
+
+static inline void stage_open(post_stage *s, stilb_render_device_kind device, uint32_t width, uint32_t height)
+{
+	*s = (post_stage){.width = width, .height = height, .alpha = 1.0f};
+	stilb_render_desc desc = {.device = device,
+	                          .output = STILB_RENDER_OUTPUT_LINEAR,
+	                          .width = width,
+	                          .height = height,
+	                          .samples = 1,
+	                          .context_count = 1,
+	                          .validate = true};
+	if (stilb_render_create(&desc, &s->render) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	stilb_gpu_image_desc source = {.name = "source",
+	                               .extent = {.format = STILB_GPU_RGBA16_F,
+	                                          .width = width,
+	                                          .height = height,
+	                                          .depth = 1,
+	                                          .layers = 1,
+	                                          .mips = 1,
+	                                          .samples = 1,
+	                                          .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO}};
+	assert_int_equal(stilb_gpu_image_create(stilb_render_gpu(s->render), &source, &s->source), STILB_OK);
+	stilb_render_feature feature = {STILB_RENDER_STAGE_LIGHT, stage_source, s};
+	assert_int_equal(stilb_render_add_feature(s->render, &feature), STILB_OK);
+	assert_int_equal(stilb_post_create(s->render, &s->post), STILB_OK);
+}
+
+static inline void stage_close(post_stage *s)
+{
+	assert_int_equal(stilb_render_validation_messages(s->render), 0);
+	stilb_post_destroy(s->post);
+	stilb_gpu_image_destroy(stilb_render_gpu(s->render), s->source);
+	stilb_render_destroy(s->render);
+}
+
+/* The light that the next frames have: RGB, rows from the top. */
+static inline void stage_light(post_stage *s, const float *rgb)
+{
+	stilb_gpu *gpu = stilb_render_gpu(s->render);
+	uint32_t pixels = s->width * s->height;
+	stilb_gpu_upload upload = {
+		.image = s->source, .width = s->width, .height = s->height, .depth = 1, .bytes = (uint64_t)pixels * 8};
+	void *bytes;
+	assert_int_equal(stilb_gpu_upload_begin(gpu, &upload, &bytes), STILB_OK);
+	assert_non_null(bytes);
+	uint16_t *out = bytes;
+	for (uint32_t p = 0; p < pixels; p++)
+		for (uint32_t c = 0; c < 4; c++)
+			out[4 * p + c] = stilb_image_half_from_float(c == 3 ? s->alpha : rgb[3 * p + c]);
+	stilb_gpu_upload_end(gpu, bytes);
+}
+
+/* Draws a frame without draws. */
+static inline void stage_draw(post_stage *s)
+{
+	stilb_render_view view = {.view_projection = stilb_mat4_identity(),
+	                          .shading = stilb_render_shading_default(),
+	                          .backdrop = {.kind = STILB_SCENE_BACKDROP_NOTHING}};
+	stilb_render_pass pass = {.name = "scene"};
+	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
+	assert_int_equal(stilb_render_pass_begin(s->render, 0, 0), STILB_OK);
+	assert_int_equal(stilb_render_pass_end(s->render, 0), STILB_OK);
+	if (stilb_render_replay(s->render, &pass, 1, &view, 1, NULL, 0) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+}
+
+/* What a frame shows, RGB; to be freed. */
+static inline float *stage_shown(post_stage *s)
+{
+	stilb_image image = {0};
+	stage_draw(s);
+	if (stilb_render_read_image(s->render, &image) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	assert_int_equal(image.format, STILB_IMAGE_F16_LINEAR);
+	assert_int_equal(image.width * image.height, s->width * s->height);
+	float *rgb = calloc((size_t)s->width * s->height, 3 * sizeof *rgb);
+	assert_non_null(rgb);
+	assert_int_equal(image.channels, 4); /* there is no backdrop */
+	for (uint32_t p = 0; p < s->width * s->height; p++) {
+		const uint16_t *texel = (const uint16_t *)image.pixels + (size_t)4 * p;
+		for (uint32_t c = 0; c < 3; c++)
+			rgb[3 * p + c] = stilb_image_half_to_float(texel[c]);
+		assert_true(stilb_image_half_to_float(texel[3]) == s->alpha);
+	}
+	stilb_image_finish(&image);
+	return rgb;
+}
+
+#endif

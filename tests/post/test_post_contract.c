@@ -1,0 +1,39 @@
+/* The asserts of post, each made to fail on purpose; and frames of the null device, which counts the chain's rows. */
+#include "post_stage.h"
+#include "support/contract.h"
+
+static void broken_contracts(void **state)
+{
+	(void)state;
+	post_stage s;
+	stilb_post *post;
+	stage_open(&s, STILB_RENDER_DEVICE_NULL, 64, 64);
+	static const stilb_post_settings wrong[] = {
+		{.occlusion = 1.5f},
+		{.occlusion_radius = -1.0f},
+		{.occlusion_radius = INFINITY},
+		{.bloom = -0.1f},
+		{.bloom = 1.1f},
+		{.bloom = NAN},
+		{.bloom_width = 2.0f},
+		{.bloom_width = NAN},
+		{.bloom_format = STILB_POST_BLOOM_FORMATS_COUNT},
+	};
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+		assert_false(stilb_post_settings_are_valid(&wrong[i]));
+		contract_breaks("stilb_post_settings_are_valid", stilb_post_set(s.post, &wrong[i]));
+	}
+	contract_breaks("isfinite", stilb_post_see(s.post, &(stilb_render_view){.exposure = INFINITY}));
+	contract_breaks("render && post", stilb_post_create(NULL, &post));
+	assert_true(stilb_post_settings_are_valid(&(stilb_post_settings){.bloom = 1.0f, .bloom_width = 1.0f}));
+	stilb_post_set(s.post, &(stilb_post_settings){.bloom = 1.0f});
+	stage_draw(&s);
+	stage_close(&s);
+	stilb_post_destroy(NULL);
+}
+
+int main(void)
+{
+	struct CMUnitTest tests[] = {cmocka_unit_test(broken_contracts)};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
