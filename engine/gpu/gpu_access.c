@@ -23,6 +23,7 @@ static const access_info accesses[STILB_GPU_ACCESSES] = {
 	[STILB_GPU_ACCESS_INDIRECT] = {"indirect", STILB_GPU_LAYOUT_NONE, false},
 	[STILB_GPU_ACCESS_COPY_FROM] = {"copy_from", STILB_GPU_LAYOUT_COPY_FROM, false},
 	[STILB_GPU_ACCESS_COPY_TO] = {"copy_to", STILB_GPU_LAYOUT_COPY_TO, true},
+	[STILB_GPU_ACCESS_HOST] = {"host", STILB_GPU_LAYOUT_NONE, true},
 	[STILB_GPU_ACCESS_OUTPUT] = {"output", STILB_GPU_LAYOUT_COPY_FROM, false},
 };
 

@@ -37,6 +37,8 @@ static const char *const use_words[] = {
 	[STILB_GPU_USE_INDIRECT] = "hold commands",
 	[STILB_GPU_USE_COPY_FROM] = "be copied from",
 	[STILB_GPU_USE_COPY_TO] = "be copied to",
+	[STILB_GPU_USE_UNIFORM] = "be uniform buffers",
+	[STILB_GPU_USE_HOST] = "be mapped",
 	[STILB_GPU_USE_KINDS] = "be drawn into",
 };
 
@@ -420,6 +422,17 @@ static const char *check_scaled_copy(const stilb_gpu *gpu, const stilb_gpu_plan 
 	                                            : NULL;
 }
 
+/* What the CPU reads and writes must be mapped. */
+static const char *check_host(const stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass)
+{
+	for (uint32_t u = 0; u < pass->use_count; u++) {
+		const gpu_buffer *buffer = gpu_buffer_of(gpu, gpu_plan_resource(plan, pass->uses[u].resource)->image.owned);
+		if (buffer && buffer->memory == STILB_GPU_MEMORY_DEVICE)
+			return "a buffer is not mapped; make it of STILB_GPU_MEMORY_SHARED";
+	}
+	return NULL;
+}
+
 const char *gpu_check_pass(const stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass)
 {
 	if (pass->color_count > gpu->limits.color_attachments)
@@ -430,6 +443,8 @@ const char *gpu_check_pass(const stilb_gpu *gpu, const stilb_gpu_plan *plan, con
 			return "resolves a layer that is not the first, which this device cannot: draw it into an image of its own";
 	if (pass->kind == STILB_GPU_PASS_COPY)
 		return check_scaled_copy(gpu, plan, pass);
+	if (pass->kind == STILB_GPU_PASS_HOST)
+		return check_host(gpu, plan, pass);
 	const gpu_program *program = pass->program ? gpu_program_of(gpu, pass->program) : NULL;
 	if (pass->program && !program)
 		return "its program is not there, or no longer";

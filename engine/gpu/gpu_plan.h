@@ -149,6 +149,8 @@ typedef enum stilb_gpu_use_kind {
 	STILB_GPU_USE_COPY_FROM,     /* of a pass of kind COPY, together with COPY_TO */
 	STILB_GPU_USE_COPY_TO,
 	STILB_GPU_USE_UNIFORM, /* buffer: read at binding `slot` of set 0, behind those of the program's storage images */
+	STILB_GPU_USE_HOST,    /* of a pass of kind HOST: an owned buffer that its function reads and writes as mapped
+	                          memory (stilb_gpu_buffer_mapped) */
 	STILB_GPU_USE_KINDS,
 } stilb_gpu_use_kind;
 
@@ -171,6 +173,9 @@ typedef enum stilb_gpu_pass_kind {
 	STILB_GPU_PASS_COPY,       /* from its COPY_FROM use to its COPY_TO use: texel by texel where format and size of
 	                              the mips agree, else filtered (sRGB in linear light); of buffers, and between an image
 	                              and a buffer, bytes */
+	STILB_GPU_PASS_HOST, /* the program's function, on the thread that runs the plan: the passes before it are done
+	                              then, and those behind it begin when it returns. Nothing else goes on meanwhile, so it
+	                              is for devices whose work is the CPU's own. The null device leaves it out */
 	STILB_GPU_PASS_KINDS,
 } stilb_gpu_pass_kind;
 
@@ -190,12 +195,14 @@ typedef struct stilb_gpu_pass {
 	uint8_t color_count;
 	uint8_t use_count;
 	uint8_t constant_bytes; /* a multiple of 4 */
-	uint32_t program;       /* stilb_gpu_program.id; 0 for COPY, and for DRAWS whose runs name their programs */
+	uint32_t program;       /* stilb_gpu_program.id; 0 for COPY and HOST, and for DRAWS whose runs name theirs */
 	uint32_t draws;         /* DRAWS: index of the list among those that come with the plan */
 	uint32_t groups[3];     /* DISPATCH */
 	uint32_t queue;         /* stilb_gpu_queue */
 	uint16_t area[4]; /* left, top, width, height in texels of the attachments: DRAWS and FULLSCREEN fill this rectangle
 	                     in place of all of them, and leave the rest as it is loaded; width and height 0: all */
+	void (*host)(void *user); /* HOST: the function, which runs no plan; not NULL */
+	void *host_user;
 	stilb_gpu_attachment color[STILB_GPU_MAX_COLORS];
 	stilb_gpu_attachment depth;
 	stilb_gpu_use uses[STILB_GPU_MAX_USES];
@@ -315,6 +322,7 @@ typedef enum stilb_gpu_access {
 	STILB_GPU_ACCESS_INDIRECT,
 	STILB_GPU_ACCESS_COPY_FROM,
 	STILB_GPU_ACCESS_COPY_TO,
+	STILB_GPU_ACCESS_HOST,
 	STILB_GPU_ACCESS_OUTPUT, /* after the frame: copied to the window or to memory */
 	STILB_GPU_ACCESSES,
 } stilb_gpu_access;
@@ -335,7 +343,8 @@ typedef enum stilb_gpu_layout {
 
 /* kind: of the image's format. [any-thread] */
 stilb_gpu_layout stilb_gpu_access_layout(stilb_gpu_access access, stilb_gpu_format_kind kind);
-/* COLOR, DEPTH, RESOLVE, STORAGE_GRAPHICS, STORAGE_COMPUTE and COPY_TO write, all others read alone. [any-thread] */
+/* COLOR, DEPTH, RESOLVE, STORAGE_GRAPHICS, STORAGE_COMPUTE, COPY_TO and HOST write, all others read alone. [any-thread]
+ */
 bool stilb_gpu_access_writes(stilb_gpu_access access);
 /* "color", "sampled_fragment", ... Static. [any-thread] */
 const char *stilb_gpu_access_name(stilb_gpu_access access);

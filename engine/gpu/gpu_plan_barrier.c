@@ -17,25 +17,25 @@
 /* ---- heaps: what used a part of them last ------------------------------------------------------------------------ */
 
 /* How a resource's memory was used last. */
-static uint16_t last_accesses(const stilb_gpu_plan *plan, uint16_t number)
+static uint32_t last_accesses(const stilb_gpu_plan *plan, uint16_t number)
 {
 	const gpu_resource *resource = gpu_plan_resource(plan, number);
 	const gpu_sub *subs = (const gpu_sub *)plan->subs.items + resource->first_sub;
-	uint16_t accesses = 0;
+	uint32_t accesses = 0;
 	for (uint32_t i = 0; i < resource->subs; i++)
 		if (subs[i].last != STILB_GPU_ACCESS_NONE)
-			accesses |= subs[i].readers != 0 ? subs[i].readers : (uint16_t)(1u << subs[i].write);
+			accesses |= subs[i].readers != 0 ? subs[i].readers : 1u << subs[i].write;
 	return accesses;
 }
 
-static uint16_t region_accesses(const stilb_gpu_plan *plan, const gpu_region *region)
+static uint32_t region_accesses(const stilb_gpu_plan *plan, const gpu_region *region)
 {
 	return region->resource != 0 ? last_accesses(plan, region->resource) : region->accesses;
 }
 
 /* Gives begin..end of a heap to a resource, and returns what used it before. Regions are sorted by heap and place, and
  * do not overlap. False: no memory. */
-static bool take_region(stilb_gpu_plan *plan, gpu_region taken, uint16_t *before)
+static bool take_region(stilb_gpu_plan *plan, gpu_region taken, uint32_t *before)
 {
 	gpu_left *next = &plan->next;
 	if (!gpu_array_reserve(&next->regions, next->region_count + 2, sizeof(gpu_region)))
@@ -50,7 +50,7 @@ static bool take_region(stilb_gpu_plan *plan, gpu_region taken, uint16_t *before
 		else
 			high = middle;
 	}
-	uint16_t accesses = 0;
+	uint32_t accesses = 0;
 	gpu_region parts[3]; /* what is left of the first, the new one, what is left of the last */
 	uint32_t part_count = 0, end = low;
 	for (; end < next->region_count && regions[end].heap == taken.heap && regions[end].begin < taken.end; end++)
@@ -110,7 +110,7 @@ static gpu_sub fresh_sub(const gpu_resource *resource)
 	if (resource->image.owned == 0)
 		return (gpu_sub){.layout = STILB_GPU_LAYOUT_NONE};
 	if (resource->buffer)
-		return (gpu_sub){.layout = STILB_GPU_LAYOUT_NONE, .visible = UINT16_MAX, .now = true};
+		return (gpu_sub){.layout = STILB_GPU_LAYOUT_NONE, .visible = UINT32_MAX, .now = true};
 	return (gpu_sub){.layout = GPU_LAYOUT_UNKNOWN, .now = true};
 }
 
@@ -165,23 +165,23 @@ typedef struct touched {
 	const gpu_touch *touch;
 	gpu_sub *subs;   /* of mip 0, layer 0 */
 	uint32_t stride; /* of layers; 0: one state for all */
-	uint16_t accesses;
+	uint32_t accesses;
 	bool replaces; /* content that may be there is not needed */
 	bool writes;
 	bool content_alone; /* parts that this frame has not written are left alone */
 } touched;
 
 /* How the memory of what a touch is of was used before. */
-static uint16_t memory_readers(const touched *t)
+static uint32_t memory_readers(const touched *t)
 {
 	return gpu_plan_life(t->plan, t->touch->resource)->memory_readers;
 }
 
 /* What a state has been made visible to. */
-static uint16_t visible_to(const stilb_gpu_plan *plan, const gpu_sub *sub)
+static uint32_t visible_to(const stilb_gpu_plan *plan, const gpu_sub *sub)
 {
 	const stilb_gpu_barrier *barriers = plan->barriers.items;
-	return sub->barrier != 0 ? (uint16_t)(sub->visible | barriers[sub->barrier - 1].to_all) : sub->visible;
+	return sub->barrier != 0 ? sub->visible | barriers[sub->barrier - 1].to_all : sub->visible;
 }
 
 static bool drops_content(const touched *t, const gpu_sub *sub)
@@ -216,15 +216,15 @@ static uint8_t sub_key(const touched *t, const gpu_sub *sub)
 }
 
 /* Accesses that a barrier has to wait for. */
-static uint16_t sub_before(const touched *t, const gpu_sub *sub)
+static uint32_t sub_before(const touched *t, const gpu_sub *sub)
 {
 	if (sub->last == STILB_GPU_ACCESS_NONE)
 		return memory_readers(t);
-	uint16_t write = sub->write != STILB_GPU_ACCESS_NONE ? (uint16_t)(1u << sub->write) : 0;
+	uint32_t write = sub->write != STILB_GPU_ACCESS_NONE ? 1u << sub->write : 0;
 	if (sub->readers == 0)
 		return write;
 	bool more_readers = !t->writes && sub->layout == t->touch->layout && !needs_zeros(t, sub);
-	return more_readers ? (uint16_t)(sub->readers | write) : sub->readers;
+	return more_readers ? sub->readers | write : sub->readers;
 }
 
 /* The access itself. barrier: index + 1; 0: it needs none. */
@@ -239,7 +239,7 @@ static void sub_access(const touched *t, gpu_sub *sub, uint32_t barrier)
 		sub->zeros = false;
 	} else if (barrier != 0) {
 		bool more_readers = sub->layout == touch->layout && !needs_zeros(t, sub);
-		sub->readers = more_readers ? (uint16_t)(sub->readers | t->accesses) : t->accesses;
+		sub->readers = more_readers ? sub->readers | t->accesses : t->accesses;
 		sub->visible = more_readers ? sub->visible : 0;
 		sub->barrier = barrier;
 	} else {
@@ -443,7 +443,7 @@ static bool touch_one(stilb_gpu_plan *plan, const gpu_touch *touch)
 		.plan = plan,
 		.touch = touch,
 		.subs = (gpu_sub *)plan->subs.items + touch->first,
-		.accesses = (uint16_t)(1u << touch->access),
+		.accesses = 1u << touch->access,
 		.replaces = touch->replaces || (touch->writes && !touch->reads && !touch->owned),
 		.writes = touch->writes,
 		.content_alone = touch->access == STILB_GPU_ACCESS_OUTPUT,

@@ -25,7 +25,7 @@
 #define GPU_LAYOUT_UNKNOWN 0xffu /* of an owned image that this plan has not touched */
 #define GPU_NO_RECORD UINT32_MAX
 
-static_assert(STILB_GPU_ACCESSES <= 16, "accesses are bits of 16");
+static_assert(STILB_GPU_ACCESSES <= 32, "accesses are bits of 32");
 
 /* An array that grows, and never shrinks. */
 typedef struct gpu_array {
@@ -59,7 +59,7 @@ typedef struct gpu_life {
 	uint32_t first_write;    /* step + 1; 0: none */
 	uint32_t last_previous;  /* step + 1; 0: no `previous` use */
 	uint16_t uses;           /* as of stilb_gpu_extent */
-	uint16_t memory_readers; /* accesses of what the memory was used for before */
+	uint32_t memory_readers; /* accesses of what the memory was used for before */
 	uint32_t first_sub;      /* as in gpu_resource */
 	bool many;               /* a state for each mip and layer */
 	bool partial;            /* a use is not of all mips and layers */
@@ -97,8 +97,8 @@ typedef struct gpu_span {
 
 /* State of a mip and layer between two passes. */
 typedef struct gpu_sub {
-	uint16_t readers; /* accesses that have read since the last write or change of layout */
-	uint16_t visible; /* accesses that need no barrier to read, besides those that `barrier` names */
+	uint32_t readers; /* accesses that have read since the last write or change of layout */
+	uint32_t visible; /* accesses that need no barrier to read, besides those that `barrier` names */
 	uint32_t barrier; /* index + 1 of the barrier of this frame before the first of the readers; 0: none */
 	uint8_t write;    /* the last write's access */
 	uint8_t last;     /* the last access */
@@ -132,7 +132,7 @@ typedef struct gpu_region {
 	uint64_t begin, end;
 	uint32_t heap;
 	uint16_t resource; /* of this frame; 0: `readers` tells */
-	uint16_t accesses;
+	uint32_t accesses;
 } gpu_region;
 
 /* What a frame leaves. */

@@ -31,7 +31,7 @@ __attribute__((format(printf, 2, 3))) static stilb_result wrong(const checked *c
 	return stilb_fail(STILB_ERROR_ARGUMENT, "pass %u '%s' %s", c->row + 1, c->pass->name, text);
 }
 
-static const char *const kind_names[STILB_GPU_PASS_KINDS] = {"draws", "fullscreen", "dispatch", "copy"};
+static const char *const kind_names[STILB_GPU_PASS_KINDS] = {"draws", "fullscreen", "dispatch", "copy", "host"};
 
 /* "samples", ...: what a use does with its resource. */
 static const char *const use_verbs[STILB_GPU_USE_KINDS] = {
@@ -44,6 +44,7 @@ static const char *const use_verbs[STILB_GPU_USE_KINDS] = {
 	[STILB_GPU_USE_COPY_FROM] = "copies from",
 	[STILB_GPU_USE_COPY_TO] = "copies to",
 	[STILB_GPU_USE_UNIFORM] = "reads",
+	[STILB_GPU_USE_HOST] = "reads and writes",
 };
 
 const char *gpu_touch_verb(const stilb_gpu_pass *pass, const gpu_touch *touch)
@@ -132,12 +133,16 @@ static stilb_result check_kind(const checked *c)
 		return wrong(c, "draws into nothing: give it a colour or depth attachment, or make it a dispatch");
 	if (!draws(pass) && attached)
 		return wrong(c, "is of kind %s and has attachments: only draws and fullscreen passes have", kind);
-	if (pass->kind == STILB_GPU_PASS_COPY && pass->program != 0)
-		return wrong(c, "is a copy and has a program: leave it 0");
+	bool programless = pass->kind == STILB_GPU_PASS_COPY || pass->kind == STILB_GPU_PASS_HOST;
+	if (programless && pass->program != 0)
+		return wrong(c, "is of kind %s and has a program: leave it 0", kind);
 	if ((pass->kind == STILB_GPU_PASS_FULLSCREEN || pass->kind == STILB_GPU_PASS_DISPATCH) && pass->program == 0)
 		return wrong(c, "is of kind %s and has no program", kind);
-	if (pass->kind == STILB_GPU_PASS_COPY && pass->constant_bytes > 0)
-		return wrong(c, "is a copy and has constants: leave them out");
+	if (programless && pass->constant_bytes > 0)
+		return wrong(c, "is of kind %s and has constants: leave them out", kind);
+	if ((pass->kind == STILB_GPU_PASS_HOST) != (pass->host != NULL))
+		return wrong(c, "is of kind %s and has %s function: passes of kind host have one, and no others do", kind,
+		             pass->host ? "a" : "no");
 	static const char *const queues[STILB_GPU_QUEUES] = {"main", "compute", "copy"};
 	bool fits = pass->queue == STILB_GPU_QUEUE_MAIN || pass->kind == STILB_GPU_PASS_COPY ||
 	            (pass->queue == STILB_GPU_QUEUE_COMPUTE && pass->kind == STILB_GPU_PASS_DISPATCH);
@@ -333,6 +338,7 @@ static const uint8_t use_passes[STILB_GPU_USE_KINDS] = {
 	[STILB_GPU_USE_SAMPLED] = 7,   [STILB_GPU_USE_STORAGE_READ] = 7, [STILB_GPU_USE_STORAGE_WRITE] = 7,
 	[STILB_GPU_USE_STORAGE] = 7,   [STILB_GPU_USE_VERTICES] = 1,     [STILB_GPU_USE_INDIRECT] = 5,
 	[STILB_GPU_USE_COPY_FROM] = 8, [STILB_GPU_USE_COPY_TO] = 8,      [STILB_GPU_USE_UNIFORM] = 7,
+	[STILB_GPU_USE_HOST] = 16,
 };
 
 static bool is_storage(const stilb_gpu_use *use)
@@ -348,7 +354,7 @@ static bool use_reads(const stilb_gpu_use *use)
 
 static bool use_writes(const stilb_gpu_use *use)
 {
-	return use->how == STILB_GPU_USE_STORAGE || !use_reads(use);
+	return use->how == STILB_GPU_USE_STORAGE || use->how == STILB_GPU_USE_HOST || !use_reads(use);
 }
 
 static stilb_gpu_access use_access(const stilb_gpu_use *use, bool compute)
@@ -368,6 +374,8 @@ static stilb_gpu_access use_access(const stilb_gpu_use *use, bool compute)
 		return STILB_GPU_ACCESS_INDIRECT;
 	case STILB_GPU_USE_COPY_FROM:
 		return STILB_GPU_ACCESS_COPY_FROM;
+	case STILB_GPU_USE_HOST:
+		return STILB_GPU_ACCESS_HOST;
 	default:
 		return STILB_GPU_ACCESS_COPY_TO;
 	}
@@ -458,10 +466,12 @@ static stilb_result check_use_kind(const checked *c, const stilb_gpu_use *use, c
 		return wrong(c, "%s '%s', which no pass of kind %s does", verb, name, kind_names[c->pass->kind]);
 	if (resource->buffer && use->how == STILB_GPU_USE_SAMPLED)
 		return wrong(c, "samples the buffer '%s': only images are sampled", name);
-	bool of_buffers =
-		use->how == STILB_GPU_USE_VERTICES || use->how == STILB_GPU_USE_INDIRECT || use->how == STILB_GPU_USE_UNIFORM;
+	bool of_buffers = use->how == STILB_GPU_USE_VERTICES || use->how == STILB_GPU_USE_INDIRECT ||
+	                  use->how == STILB_GPU_USE_UNIFORM || use->how == STILB_GPU_USE_HOST;
 	if (!resource->buffer && of_buffers)
 		return wrong(c, "%s the image '%s': it must be a buffer", verb, name);
+	if (use->how == STILB_GPU_USE_HOST && resource->image.owned == 0)
+		return wrong(c, "%s '%s', which is the plan's own: give it a buffer of the program's (owned)", verb, name);
 	if (use->sampler != 0 && use->how != STILB_GPU_USE_SAMPLED)
 		return wrong(c, "%s '%s' with a sampler, which only sampled images have", verb, name);
 	if (use->previous && !resource->image.keep)

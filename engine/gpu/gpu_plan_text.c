@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const kinds[STILB_GPU_PASS_KINDS] = {"draws", "fullscreen", "dispatch", "copy"};
+static const char *const kinds[STILB_GPU_PASS_KINDS] = {"draws", "fullscreen", "dispatch", "copy", "host"};
 
 /* "3 passes", "1 pass". */
 static void print_number(FILE *out, uint32_t count, const char *word, const char *plural)

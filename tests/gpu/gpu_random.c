@@ -140,6 +140,7 @@ static stilb_gpu_access access_of(uint32_t how, bool compute)
 		[STILB_GPU_USE_COPY_FROM] = {STILB_GPU_ACCESS_COPY_FROM, STILB_GPU_ACCESS_COPY_FROM},
 		[STILB_GPU_USE_COPY_TO] = {STILB_GPU_ACCESS_COPY_TO, STILB_GPU_ACCESS_COPY_TO},
 		[STILB_GPU_USE_UNIFORM] = {STILB_GPU_ACCESS_STORAGE_READ_GRAPHICS, STILB_GPU_ACCESS_STORAGE_READ_COMPUTE},
+		[STILB_GPU_USE_HOST] = {STILB_GPU_ACCESS_HOST, STILB_GPU_ACCESS_HOST},
 	};
 	return table[how][compute];
 }
@@ -312,6 +313,26 @@ static bool try_copy(builder *b, stilb_gpu_pass *pass)
 	return true;
 }
 
+static void no_function(void *user)
+{
+	(void)user;
+}
+
+/* True if the pass is a function that uses a buffer. */
+static bool try_host(builder *b, stilb_gpu_pass *pass)
+{
+	for (uint32_t r = 1; r <= b->table->resource_count; r++) {
+		random_access access;
+		stilb_gpu_use use = {.resource = (uint16_t)r, .how = STILB_GPU_USE_HOST};
+		if (!b->table->buffer[r] || random_owned(b->table, r) == 0 || chance(b, 50))
+			continue;
+		add_use(b->table, &access, &use, false);
+		if (may_touch(b, &access, 1))
+			pass->uses[pass->use_count++] = use;
+	}
+	return pass->use_count > 0;
+}
+
 static void end_pass(builder *b, const stilb_gpu_pass *pass)
 {
 	random_access accesses[RANDOM_ACCESSES];
@@ -330,6 +351,13 @@ static void try_pass(builder *b)
 	if (pass.kind == STILB_GPU_PASS_COPY) {
 		pass.program = 0;
 		if (try_copy(b, &pass))
+			end_pass(b, &pass);
+		return;
+	}
+	if (pass.kind == STILB_GPU_PASS_HOST) {
+		pass.program = 0;
+		pass.host = no_function;
+		if (try_host(b, &pass))
 			end_pass(b, &pass);
 		return;
 	}

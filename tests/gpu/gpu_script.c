@@ -104,8 +104,8 @@ static uint16_t find(const stilb_gpu_plan *plan, const char *name)
 	return resource;
 }
 
-static const char *const use_words[STILB_GPU_USE_KINDS] = {"sample",   "load", "store", "modify", "vertices",
-                                                           "indirect", "from", "to",    "uniform"};
+static const char *const use_words[STILB_GPU_USE_KINDS] = {"sample",   "load", "store", "modify",  "vertices",
+                                                           "indirect", "from", "to",    "uniform", "host"};
 static const char *const load_words[] = {"over", "clear", "fresh", "test"};
 
 static void add_attachment(stilb_gpu_plan *plan, stilb_gpu_pass *pass, uint32_t load, uint16_t image,
@@ -183,10 +183,16 @@ static void add_item(stilb_gpu_plan *plan, stilb_gpu_pass *pass, char *item)
 	fail_msg("no item is '%s'", item);
 }
 
+static void no_function(void *user)
+{
+	(void)user;
+}
+
 static void add_pass(stilb_gpu_plan *plan, stilb_gpu_pass_kind kind, char **rest)
 {
 	stilb_gpu_pass pass = {.name = strtok_r(NULL, " ", rest), .kind = (uint8_t)kind};
-	pass.program = kind == STILB_GPU_PASS_COPY ? 0 : 1;
+	pass.program = kind == STILB_GPU_PASS_COPY || kind == STILB_GPU_PASS_HOST ? 0 : 1;
+	pass.host = kind == STILB_GPU_PASS_HOST ? no_function : NULL;
 	if (kind == STILB_GPU_PASS_DISPATCH)
 		pass.groups[0] = pass.groups[1] = pass.groups[2] = 1;
 	for (char *item; (item = strtok_r(NULL, " ", rest));)
@@ -204,7 +210,7 @@ static void cut(stilb_gpu_plan *plan, const char *name)
 
 void script_rows(stilb_gpu_plan *plan, const char *script)
 {
-	static const char *const kinds[STILB_GPU_PASS_KINDS] = {"draws", "screen", "dispatch", "copy"};
+	static const char *const kinds[STILB_GPU_PASS_KINDS] = {"draws", "screen", "dispatch", "copy", "host"};
 	char *text = texts[text_count++ % SCRIPTS];
 	assert_true(strlen(script) < sizeof texts[0]);
 	strcpy(text, script);

@@ -153,6 +153,8 @@ static const mistake mistakes[] = {
 	{"image a rgba8_u output\ndraws p clear:a clear:a",
      "pass 1 'p' draws into and draws into 'a': what a pass writes it can use in no other way, take two images or two "
      "passes"},
+	{"buffer a 64 output\nhost p host:a",
+     "pass 1 'p' reads and writes 'a', which is the plan's own: give it a buffer of the program's (owned)"},
 	{"image a rgba8_u owned 1\nbuffer b 64 output\ndispatch p sample:a load:a store:b",
      "pass 1 'p' samples and reads 'a', sampled and as a storage image: read it in one of both ways"},
 };
@@ -190,6 +192,11 @@ static stilb_gpu_plan *begin(void)
 	stilb_gpu_plan_begin(plan, 64, 64);
 	script_rows(plan, "image own rgba8_u 8x8 owned 1\nbuffer data 64 owned 2\nimage a rgba8_u 8x8");
 	return plan;
+}
+
+static void no_function(void *user)
+{
+	(void)user;
 }
 
 static void expect_pass(stilb_gpu_pass pass, const char *message)
@@ -243,9 +250,19 @@ static void test_passes(void **state)
 	pass = (stilb_gpu_pass){.name = "p", .kind = STILB_GPU_PASS_DISPATCH, .program = 1, .groups = {4, 0, 1}};
 	expect_pass(pass, "pass 1 'p' dispatches 4 x 0 x 1 groups, which are none: each count is at least 1");
 	pass = (stilb_gpu_pass){.name = "p", .kind = STILB_GPU_PASS_COPY, .program = 1};
-	expect_pass(pass, "pass 1 'p' is a copy and has a program: leave it 0");
+	expect_pass(pass, "pass 1 'p' is of kind copy and has a program: leave it 0");
 	pass = (stilb_gpu_pass){.name = "p", .kind = STILB_GPU_PASS_COPY, .constant_bytes = 4};
-	expect_pass(pass, "pass 1 'p' is a copy and has constants: leave them out");
+	expect_pass(pass, "pass 1 'p' is of kind copy and has constants: leave them out");
+	pass = (stilb_gpu_pass){.name = "p", .kind = STILB_GPU_PASS_HOST};
+	expect_pass(pass, "pass 1 'p' is of kind host and has no function: passes of kind host have one, and no others do");
+	pass.host = no_function;
+	pass.program = 1;
+	expect_pass(pass, "pass 1 'p' is of kind host and has a program: leave it 0");
+	pass = good;
+	pass.host = no_function;
+	expect_pass(pass,
+	            "pass 1 'p' is of kind fullscreen and has a function: passes of kind host have one, and no others "
+	            "do");
 }
 
 static void test_areas(void **state)
@@ -329,8 +346,8 @@ static void test_uses(void **state)
 	stilb_gpu_pass pass = good;
 	pass.use_count = 1;
 	expect_pass(pass, "pass 1 'p' uses resource 0, and the plan has 1 to 3: numbers are those of this frame's rows");
-	pass.uses[0] = (stilb_gpu_use){.resource = 1, .how = 9};
-	expect_pass(pass, "pass 1 'p' uses 'own' by 9: it is none of stilb_gpu_use_kind");
+	pass.uses[0] = (stilb_gpu_use){.resource = 1, .how = 10};
+	expect_pass(pass, "pass 1 'p' uses 'own' by 10: it is none of stilb_gpu_use_kind");
 	pass.uses[0] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_STORAGE_READ, .sampler = 1};
 	pass.constant_bytes = 16;
 	expect_pass(pass, "pass 1 'p' reads 'data' with a sampler, which only sampled images have");
@@ -353,6 +370,14 @@ static void test_uses(void **state)
 	expect_pass(pass, "pass 1 'p' reads the image 'own': it must be a buffer");
 	pass.uses[0] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_UNIFORM, .first = 256, .bytes = 1u << 30};
 	expect_pass(pass, "pass 1 'p' reads bytes 256 + 1073741824 of 'data' as a uniform buffer, which has 64");
+	pass.uses[0] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_HOST};
+	expect_pass(pass, "pass 1 'p' reads and writes 'data', which no pass of kind fullscreen does");
+	stilb_gpu_pass host = {.name = "p", .kind = STILB_GPU_PASS_HOST, .host = no_function, .use_count = 1};
+	host.uses[0] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_STORAGE};
+	expect_pass(host, "pass 1 'p' reads and writes 'data', which no pass of kind host does");
+	host.uses[0].how = STILB_GPU_USE_HOST;
+	host.uses[0].resource = 1;
+	expect_pass(host, "pass 1 'p' reads and writes the image 'own': it must be a buffer");
 	pass.uses[0] = (stilb_gpu_use){.resource = 2, .how = STILB_GPU_USE_STORAGE_READ, .slot = 8, .bytes = 16};
 	expect_pass(pass, "pass 1 'p' reads bytes 0 + 16 of 'data': only uniform buffers are parts");
 	pass.kind = STILB_GPU_PASS_DRAWS;

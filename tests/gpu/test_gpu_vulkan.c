@@ -251,6 +251,100 @@ static void four_kinds_of_passes(void **state)
 	}
 }
 
+/* What a function adds to the texels of a mapped buffer. */
+typedef struct adding {
+	uint32_t *texels, count, what, calls;
+} adding;
+
+static void add_to_texels(void *user)
+{
+	adding *a = user;
+	for (uint32_t i = 0; i < a->count; i++)
+		a->texels[i] += a->what;
+	a->calls++;
+}
+
+static void host_pass(uint16_t buffer, adding *what)
+{
+	stilb_gpu_plan_pass(s.plan, &(stilb_gpu_pass){.name = "add",
+	                                              .kind = STILB_GPU_PASS_HOST,
+	                                              .host = add_to_texels,
+	                                              .host_user = what,
+	                                              .uses = {{.resource = buffer, .how = STILB_GPU_USE_HOST}},
+	                                              .use_count = 1});
+}
+
+static void copy_pass(uint16_t from, bool previous, uint16_t to)
+{
+	stilb_gpu_plan_pass(
+		s.plan, &(stilb_gpu_pass){.name = "copy",
+	                              .kind = STILB_GPU_PASS_COPY,
+	                              .uses = {{.resource = from, .how = STILB_GPU_USE_COPY_FROM, .previous = previous},
+	                                       {.resource = to, .how = STILB_GPU_USE_COPY_TO}},
+	                              .use_count = 2});
+}
+
+/* Functions of the CPU between passes of the device, two in a frame; frames follow each other without a wait. */
+static void functions_between_passes(void **state)
+{
+	(void)state;
+	enum { SIDE = 24, TEXELS = SIDE * SIDE, FRAMES = 7 };
+	stilb_gpu_buffer_desc desc = {
+		.name = "host", .bytes = 4 * TEXELS, .memory = STILB_GPU_MEMORY_SHARED, .uses = STILB_GPU_BUFFER_COPY};
+	stilb_gpu_buffer buffer;
+	assert_int_equal(stilb_gpu_buffer_create(s.gpu, &desc, &buffer), STILB_OK);
+	adding first = {stilb_gpu_buffer_mapped(s.gpu, buffer), TEXELS, 1, 0}, second = first;
+	second.what = 1000;
+	uint16_t out = 0;
+	for (uint32_t frame = 0; frame < FRAMES; frame++) {
+		plan_begin(SIDE, SIDE);
+		/* Last frame's texels, zeros in the first frame, and 1 and 1,000 more. */
+		stilb_gpu_plan_image_row row = {.name = "kept", .format = STILB_GPU_R32_UI, .scale = 1.0f, .keep = true};
+		uint16_t kept = stilb_gpu_plan_image(s.plan, &row);
+		uint16_t between = image("between", STILB_GPU_R32_UI, false);
+		out = image("out", STILB_GPU_R32_UI, true);
+		uint16_t host = stilb_gpu_plan_buffer(
+			s.plan, &(stilb_gpu_plan_buffer_row){.name = "host", .bytes = desc.bytes, .owned = buffer.id});
+		copy_pass(kept, true, host);
+		host_pass(host, &first);
+		copy_pass(host, false, between);
+		copy_pass(between, false, host);
+		host_pass(host, &second);
+		copy_pass(host, false, kept);
+		copy_pass(kept, false, out);
+		plan_run(NULL, 0, NULL);
+		assert_int_equal(first.calls, frame + 1);
+		assert_int_equal(second.calls, frame + 1);
+	}
+	const uint32_t *texels = read_back(out, 0, 0);
+	for (uint32_t i = 0; i < TEXELS; i++)
+		assert_int_equal(texels[i], FRAMES * 1001);
+	stilb_gpu_buffer_destroy(s.gpu, buffer);
+	assert_int_equal(s.gpu->validation_messages, 0);
+}
+
+/* A buffer that is not mapped is refused, before anything runs. */
+static void functions_need_mapped_buffers(void **state)
+{
+	(void)state;
+	stilb_gpu_buffer_desc desc = {
+		.name = "host", .bytes = 64, .memory = STILB_GPU_MEMORY_DEVICE, .uses = STILB_GPU_BUFFER_COPY};
+	stilb_gpu_buffer buffer;
+	assert_int_equal(stilb_gpu_buffer_create(s.gpu, &desc, &buffer), STILB_OK);
+	adding none = {0};
+	plan_begin(4, 4);
+	uint16_t host =
+		stilb_gpu_plan_buffer(s.plan, &(stilb_gpu_plan_buffer_row){.name = "host", .bytes = 64, .owned = buffer.id});
+	host_pass(host, &none);
+	stilb_gpu_planner planner = stilb_gpu_planner_of(s.gpu);
+	assert_int_equal(stilb_gpu_plan_make(s.plan, &planner), STILB_ERROR_ARGUMENT);
+	assert_non_null(strstr(stilb_error_message(), "STILB_GPU_MEMORY_SHARED"));
+	assert_int_equal(none.calls, 0);
+	stilb_gpu_buffer_destroy(s.gpu, buffer);
+	stilb_gpu_plan_begin(s.plan, 4, 4);
+	plan_run(NULL, 0, NULL);
+}
+
 /* A dispatch of `program` that reads uniform buffers, the second one from byte `from` of `second` on. */
 static stilb_gpu_pass uniforms_pass(stilb_gpu_program program, uint16_t first, uint16_t second, uint32_t from,
                                     uint16_t result)
@@ -835,6 +929,7 @@ int main(void)
 {
 	struct CMUnitTest tests[] = {
 		STAGE_TEST(four_kinds_of_passes),      STAGE_TEST(uniform_buffers),
+		STAGE_TEST(functions_between_passes),  STAGE_TEST(functions_need_mapped_buffers),
 		STAGE_TEST(three_modes_of_replay),     STAGE_TEST(layers_at_once),
 		STAGE_TEST(passes_fill_areas),         STAGE_TEST(runs_have_constants),
 		STAGE_TEST(uploads_are_flushed),       STAGE_TEST(samples_are_resolved),

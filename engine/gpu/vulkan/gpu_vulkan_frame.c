@@ -1,6 +1,8 @@
 /* Slots of frames, and what is given to the queue. */
 #include "gpu/vulkan/gpu_vulkan_internal.h"
 
+#include <stdlib.h>
+
 /* ---- slots ------------------------------------------------------------------------------------------------------- */
 
 static VkResult slot_create(gpu_vulkan *gpu, gpu_vulkan_slot *slot)
@@ -70,13 +72,36 @@ stilb_result gpu_vulkan_slot_take(gpu_vulkan *gpu)
 
 stilb_result gpu_vulkan_slot_begin(gpu_vulkan *gpu, uint32_t passes)
 {
-	const gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
+	gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
 	VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
 	};
+	slot->part_count = 0;
 	VkResult result = vkBeginCommandBuffer(slot->draw, &begin);
 	return result == VK_SUCCESS ? gpu_vulkan_times_begin(gpu, passes) : gpu_vulkan_fail(gpu, result, "begin a frame");
+}
+
+stilb_result gpu_vulkan_slot_split(gpu_vulkan *gpu, const stilb_gpu_pass *pass, const stilb_prof_site *site)
+{
+	gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
+	if (slot->part_count == slot->part_capacity) {
+		uint32_t capacity = 2 * slot->part_capacity + 4;
+		gpu_vulkan_part *grown = realloc(slot->parts, capacity * sizeof *grown);
+		if (!grown)
+			return stilb_fail(STILB_ERROR_MEMORY, "no memory for the parts of a frame");
+		slot->parts = grown;
+		slot->part_capacity = capacity;
+	}
+	VkCommandBuffer next;
+	VkResult result = vkEndCommandBuffer(slot->draw);
+	result = result == VK_SUCCESS ? gpu_vulkan_extra_begin(gpu, slot, &next) : result;
+	if (result != VK_SUCCESS)
+		return gpu_vulkan_fail(gpu, result, "record a frame");
+	slot->parts[slot->part_count++] = (gpu_vulkan_part){slot->draw, pass, site};
+	slot->extra[slot->extra_used - 1] = slot->draw; /* all of them are of one pool */
+	slot->draw = next;
+	return STILB_OK;
 }
 
 /* ---- submission -------------------------------------------------------------------------------------------------- */
@@ -132,6 +157,19 @@ stilb_result gpu_vulkan_queue_submit(gpu_vulkan *gpu, VkCommandBuffer commands, 
 	return STILB_OK;
 }
 
+static stilb_result slot_part(gpu_vulkan *gpu, const gpu_vulkan_part *part)
+{
+	stilb_result result = gpu_vulkan_queue_submit(gpu, part->commands, VK_NULL_HANDLE, VK_NULL_HANDLE);
+	if (result == STILB_OK)
+		result = gpu_vulkan_timeline_wait(gpu, gpu->timeline_value);
+	if (result != STILB_OK)
+		return result;
+	stilb_prof_zone_begin(part->site);
+	part->pass->host(part->pass->host_user);
+	stilb_prof_zone_end();
+	return STILB_OK;
+}
+
 stilb_result gpu_vulkan_slot_submit(gpu_vulkan *gpu)
 {
 	gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
@@ -139,7 +177,11 @@ stilb_result gpu_vulkan_slot_submit(gpu_vulkan *gpu)
 	VkResult result = vkEndCommandBuffer(slot->draw);
 	if (result != VK_SUCCESS)
 		return gpu_vulkan_fail(gpu, result, "record a frame");
-	stilb_result submitted = gpu_vulkan_queue_submit(gpu, slot->draw, VK_NULL_HANDLE, VK_NULL_HANDLE);
+	stilb_result submitted = STILB_OK;
+	for (uint32_t p = 0; p < slot->part_count && submitted == STILB_OK; p++)
+		submitted = slot_part(gpu, &slot->parts[p]);
+	if (submitted == STILB_OK)
+		submitted = gpu_vulkan_queue_submit(gpu, slot->draw, VK_NULL_HANDLE, VK_NULL_HANDLE);
 	slot->done = gpu->timeline_value;
 	gpu_vulkan_times_submitted(gpu, submitted == STILB_OK);
 	return submitted;

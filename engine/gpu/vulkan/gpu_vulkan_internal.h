@@ -124,6 +124,13 @@ typedef struct gpu_vulkan_times {
 	uint64_t shown_ns;                            /* end of the frame shown last in the lane, CLOCK_MONOTONIC */
 } gpu_vulkan_times;
 
+/* Commands of a frame up to a pass that is the program's function. */
+typedef struct gpu_vulkan_part {
+	VkCommandBuffer commands;
+	const stilb_gpu_pass *pass; /* of the plan */
+	const stilb_prof_site *site;
+} gpu_vulkan_part;
+
 typedef struct gpu_vulkan_slot {
 	VkCommandPool pool;
 	VkCommandBuffer draw, show;
@@ -136,7 +143,9 @@ typedef struct gpu_vulkan_slot {
 	uint32_t pool_count, pool_now;
 	gpu_vulkan_list *lists; /* [list_count] */
 	uint32_t list_count;
-	VkCommandBuffer *extra; /* [extra_count] for copies that are asked for after the frame */
+	gpu_vulkan_part *parts; /* [part_count] of the frame, before `draw` */
+	uint32_t part_count, part_capacity;
+	VkCommandBuffer *extra; /* [extra_count] for copies that are asked for after the frame, and for its further parts */
 	uint32_t extra_count, extra_used;
 	gpu_vulkan_trash *trash; /* [trash_capacity] */
 	uint32_t trash_count, trash_capacity;
@@ -313,7 +322,9 @@ void gpu_vulkan_frames_destroy(gpu_vulkan *gpu);
 stilb_result gpu_vulkan_slot_take(gpu_vulkan *gpu);
 /* Begins `draw`, with timestamps for up to `passes` passes. */
 stilb_result gpu_vulkan_slot_begin(gpu_vulkan *gpu, uint32_t passes);
-/* Ends and submits `draw`. */
+/* Ends a part of the frame with a pass of kind HOST: `draw` is then another command buffer, begun. */
+stilb_result gpu_vulkan_slot_split(gpu_vulkan *gpu, const stilb_gpu_pass *pass, const stilb_prof_site *site);
+/* Ends and submits `draw`. Before that, each part of the frame: submits it, waits for it, and calls its function. */
 stilb_result gpu_vulkan_slot_submit(gpu_vulkan *gpu);
 /* Begins `show`. */
 stilb_result gpu_vulkan_show_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot);
@@ -460,6 +471,8 @@ void gpu_vulkan_relayout(VkCommandBuffer commands, const gpu_vulkan_texels *texe
 void gpu_vulkan_full_barrier(VkCommandBuffer commands);
 
 /* gpu_vulkan_upload.c: uploads, read-back. */
+/* A command buffer of the slot's `extra`, begun. */
+VkResult gpu_vulkan_extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands);
 void gpu_vulkan_uploads(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *uploads, uint32_t count);
 /* Before commands are recorded that may give images their first layout. */
 void gpu_vulkan_rest_begin(gpu_vulkan *gpu);

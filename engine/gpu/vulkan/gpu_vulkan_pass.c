@@ -57,6 +57,7 @@ void gpu_vulkan_pass_free(gpu_vulkan *gpu, gpu_vulkan_slot *slot)
 	}
 	free(slot->lists);
 	free(slot->extra);
+	free(slot->parts);
 	free(slot->trash);
 }
 

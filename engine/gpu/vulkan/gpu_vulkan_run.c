@@ -94,20 +94,24 @@ static stilb_result run_begin(stilb_gpu *base)
 static stilb_result run_step(gpu_vulkan *gpu, const stilb_gpu_plan *plan, uint32_t number, const stilb_gpu_step *step,
                              const stilb_gpu_draws *lists, const stilb_gpu_threads *threads)
 {
-	VkCommandBuffer commands = gpu_vulkan_slot_now(gpu)->draw;
+	const gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
 	const stilb_gpu_pass *pass = stilb_gpu_plan_row(plan, step->pass);
 	const stilb_prof_site *site = gpu_step_site(&gpu->base, number, pass->name);
 	if (gpu->label_begin)
-		gpu->label_begin(commands, &(VkDebugUtilsLabelEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
-		                                                   .pLabelName = site->name});
-	gpu_vulkan_plan_barriers(gpu, commands, plan, step->first_barrier, step->barrier_count);
+		gpu->label_begin(slot->draw, &(VkDebugUtilsLabelEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
+		                                                     .pLabelName = site->name});
+	gpu_vulkan_plan_barriers(gpu, slot->draw, plan, step->first_barrier, step->barrier_count);
 	gpu_vulkan_times_pass_begin(gpu, site);
 	stilb_prof_zone_begin(site);
-	stilb_result result = gpu_vulkan_plan_pass(gpu, plan, step, lists, threads);
+	bool host = pass->kind == STILB_GPU_PASS_HOST;
+	if (host && gpu->label_end) /* labels end in the command buffer in which they begin */
+		gpu->label_end(slot->draw);
+	stilb_result result = host ? gpu_vulkan_slot_split(gpu, pass, site)
+	                           : gpu_vulkan_plan_pass(gpu, plan, step, lists, threads);
 	stilb_prof_zone_end();
 	gpu_vulkan_times_pass_end(gpu);
-	if (gpu->label_end)
-		gpu->label_end(commands);
+	if (!host && gpu->label_end)
+		gpu->label_end(slot->draw);
 	return result;
 }
 
@@ -119,19 +123,19 @@ static stilb_result run_record(gpu_vulkan *gpu, const stilb_gpu_plan *plan, cons
 	stilb_result result = gpu_vulkan_slot_begin(gpu, count);
 	if (result != STILB_OK)
 		return result;
-	VkCommandBuffer commands = gpu_vulkan_slot_now(gpu)->draw;
-	gpu_vulkan_uploads(gpu, commands, uploads, upload_count);
-	gpu_vulkan_images_ready(gpu, commands);
+	const gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu); /* whose `draw` is another one behind passes of kind HOST */
+	gpu_vulkan_uploads(gpu, slot->draw, uploads, upload_count);
+	gpu_vulkan_images_ready(gpu, slot->draw);
 	result = gpu_vulkan_targets_take(gpu, plan);
 	for (uint32_t s = 0; s < count && result == STILB_OK; s++)
 		result = run_step(gpu, plan, s, &steps[s], lists, threads);
 	if (result != STILB_OK)
 		return result;
 	uint32_t last = stilb_gpu_plan_last_barriers(plan, &first);
-	gpu_vulkan_plan_barriers(gpu, commands, plan, first, last);
+	gpu_vulkan_plan_barriers(gpu, slot->draw, plan, first, last);
 	if (gpu->label_insert && !gpu->surface) /* where nothing is presented RenderDoc takes this as a frame's end */
-		gpu->label_insert(commands, &(VkDebugUtilsLabelEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
-		                                                    .pLabelName = "vr-marker,frame_end,type,application"});
+		gpu->label_insert(slot->draw, &(VkDebugUtilsLabelEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
+		                                                      .pLabelName = "vr-marker,frame_end,type,application"});
 	if (gpu->base.keep_back)
 		return STILB_OK;
 	PROFILE("submit");

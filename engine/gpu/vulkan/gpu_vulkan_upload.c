@@ -9,8 +9,7 @@ static stilb_gpu_range part_of(uint32_t mip, uint32_t layer)
 	return (stilb_gpu_range){(uint8_t)mip, 1, (uint16_t)layer, 1};
 }
 
-/* A command buffer of the slot for copies, begun. */
-static VkResult extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands)
+VkResult gpu_vulkan_extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands)
 {
 	if (slot->extra_used == slot->extra_count) {
 		VkCommandBuffer *grown = realloc(slot->extra, (slot->extra_count + 1) * sizeof *grown);
@@ -214,7 +213,7 @@ stilb_result gpu_vulkan_flush(stilb_gpu *base, const gpu_upload_ready *uploads, 
 	VkCommandBuffer commands = VK_NULL_HANDLE;
 	if (upload_count == 0)
 		return gpu_vulkan_timeline_wait(gpu, gpu->timeline_value);
-	VkResult error = extra_begin(gpu, slot, &commands);
+	VkResult error = gpu_vulkan_extra_begin(gpu, slot, &commands);
 	if (error != VK_SUCCESS)
 		return gpu_vulkan_fail(gpu, error, "upload");
 	gpu_vulkan_rest_begin(gpu);
@@ -260,7 +259,7 @@ stilb_result gpu_vulkan_read(stilb_gpu *base, const stilb_gpu_plan *plan, uint16
 	const gpu_vulkan_buffer *to = read->buffer.own;
 	(void)plan;
 	VkCommandBuffer commands = VK_NULL_HANDLE;
-	VkResult result = extra_begin(gpu, slot, &commands);
+	VkResult result = gpu_vulkan_extra_begin(gpu, slot, &commands);
 	if (result != VK_SUCCESS)
 		return gpu_vulkan_fail(gpu, result, "read an image back");
 	gpu_vulkan_full_barrier(commands);
