@@ -13,13 +13,21 @@
 
 /* ---- workers ----------------------------------------------------------------------------------------------------- */
 
+/* Lets the renderer and the effects have the pool; NULL: none. */
+static void engine_lend_pool(stilb_engine *engine, stilb_job_pool *pool)
+{
+	if (engine->render)
+		stilb_render_set_pool(engine->render, pool);
+	if (engine->post)
+		stilb_post_set_pool(engine->post, pool);
+}
+
 static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 {
 	STILB_ASSERT(!engine->pool);
 	stilb_job_pool_desc desc = {.worker_count = workers, .hooks = stilb_job_prof_hooks("worker")};
 	int error = stilb_job_pool_create(&desc, &engine->pool);
-	if (engine->render)
-		stilb_render_set_pool(engine->render, engine->pool);
+	engine_lend_pool(engine, engine->pool);
 	if (error == 0)
 		return STILB_OK;
 	return stilb_fail_threads(workers, -error);
@@ -53,7 +61,7 @@ stilb_job_pool_stats stilb_engine_job_stats(const stilb_engine *engine)
 stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers)
 {
 	STILB_ASSERT_OWNER(engine->owner);
-	stilb_render_set_pool(engine->render, NULL);
+	engine_lend_pool(engine, NULL);
 	stilb_job_pool_destroy(engine->pool);
 	engine->pool = NULL;
 	stilb_result result = engine_start_workers(engine, workers);
@@ -218,8 +226,7 @@ void stilb_engine_destroy(stilb_engine *engine)
 	engine_prepare_drop(&engine->compiling);
 	engine_profile_stop_capture(engine); /* before the workers end, whose records it may still write */
 	engine_input_finish(&engine->input);
-	if (engine->render)
-		stilb_render_set_pool(engine->render, NULL);
+	engine_lend_pool(engine, NULL);
 	stilb_job_pool_destroy(engine->pool);
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
 		stilb_cull_visible_finish(&engine->visible[v]);

@@ -7,6 +7,7 @@
 
 #define POST_NAME(id, name, text) name,
 const char *const stilb_post_bloom_format_names[] = {STILB_POST_BLOOM_FORMATS(POST_NAME) NULL};
+const char *const stilb_post_place_names[] = {STILB_POST_PLACES(POST_NAME) NULL};
 
 static bool post_is_share(float value)
 {
@@ -18,15 +19,29 @@ bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
 	STILB_ASSERT(settings);
 	return post_is_share(settings->occlusion) && settings->occlusion_radius >= 0.0f &&
 	       isfinite(settings->occlusion_radius) && post_is_share(settings->bloom) &&
-	       post_is_share(settings->bloom_width) && (unsigned)settings->bloom_format < STILB_POST_BLOOM_FORMATS_COUNT;
+	       post_is_share(settings->bloom_width) && (unsigned)settings->bloom_format < STILB_POST_BLOOM_FORMATS_COUNT &&
+	       (unsigned)settings->place < STILB_POST_PLACES_COUNT;
 }
 
 /* ---- the chain --------------------------------------------------------------------------------------------------- */
 
+/* True if the CPU's threads compute what becomes of this light. */
+static bool post_is_by_cpu(const stilb_post *post, const stilb_gpu_plan *plan, uint16_t light)
+{
+	stilb_post_place place = post->settings.place;
+	bool software = stilb_render_device_is_software(post->render);
+	bool half = post->settings.bloom_format == STILB_POST_BLOOM_HALF;
+	bool cpu = place == STILB_POST_PLACE_CPU || (place == STILB_POST_PLACE_AUTO && software && half);
+	return cpu && stilb_gpu_plan_extent(plan, light)->format == STILB_GPU_RGBA16_F;
+}
+
 static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *light)
 {
 	stilb_post *post = user;
-	return post->settings.bloom > 0.0f ? post_bloom_add(post, plan, light) : STILB_OK;
+	if (post->settings.bloom == 0.0f)
+		return STILB_OK;
+	return post_is_by_cpu(post, plan, *light) ? post_host_bloom_add(post, plan, light)
+	                                          : post_bloom_add(post, plan, light);
 }
 
 static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t *ambient)
@@ -70,7 +85,15 @@ void stilb_post_destroy(stilb_post *post)
 		for (uint32_t p = 0; p < POST_PROGRAMS; p++)
 			if (post->programs[f][p].id)
 				stilb_gpu_program_destroy(stilb_render_gpu(post->render), post->programs[f][p]);
+	post_cpu_destroy(post->cpu);
+	stilb_gpu_buffer_destroy(stilb_render_gpu(post->render), post->mapped);
 	free(post);
+}
+
+void stilb_post_set_pool(stilb_post *post, stilb_job_pool *pool)
+{
+	STILB_ASSERT(post);
+	post->pool = pool;
 }
 
 void stilb_post_set(stilb_post *post, const stilb_post_settings *settings)

@@ -16,6 +16,9 @@
  *            weights are those of a quadratic B-spline, whose sums are the same wherever a pixel lies, so that what
  *            moves does not flicker. NaN and infinite light stays where it is and scatters nothing.
  *            With FIXED the images between hold T(c) = c / (1 + c's largest channel) in 8 bits, half the bytes.
+ * Place      Bloom is computed by programs of the device, or by the CPU's threads between two submissions: the same
+ *            pixels but for rounding, which is between images in half floats there and in floats here; bloom_format is
+ *            then of no account.
  * Sources    Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion" (2008), and Jimenez, Wu, Pesce,
  *            Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion" (2016), for occlusion; Karis,
  *            "Tone mapping" (2013), for T; Jimenez, "Next Generation Post Processing in Call of Duty: Advanced
@@ -27,6 +30,7 @@
 #define STILB_POST_H
 
 #include "base/base.h"
+#include "jobs/job.h"
 #include "render/render.h"
 
 #ifdef __cplusplus
@@ -48,6 +52,19 @@ typedef enum stilb_post_bloom_format {
 /* Their identifiers, NULL-terminated; the index is the stilb_post_bloom_format. */
 extern const char *const stilb_post_bloom_format_names[];
 
+/* Who computes what follows the light: bloom, so far. */
+#define STILB_POST_PLACES(X)                                                                                           \
+	X(AUTO, "auto", "the CPU's threads on software devices, unless bloom is FIXED; else the device")                   \
+	X(GPU, "gpu", "programs of the device")                                                                            \
+	X(CPU, "cpu", "the CPU's threads, for which the device waits")
+
+#define STILB_POST_PLACE_ENUM(id, ...) STILB_POST_PLACE_##id,
+typedef enum stilb_post_place { STILB_POST_PLACES(STILB_POST_PLACE_ENUM) STILB_POST_PLACES_COUNT } stilb_post_place;
+#undef STILB_POST_PLACE_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_post_place. */
+extern const char *const stilb_post_place_names[];
+
 /* {0}: no effect. */
 typedef struct stilb_post_settings {
 	float occlusion;        /* by how much ambient light is darker where it is hidden, 0..1; 0: there is no such row */
@@ -56,7 +73,8 @@ typedef struct stilb_post_settings {
 	float bloom_width;      /* of what is scattered, the share that each twice as wide pattern gets in place of the one
 	                      before it, 0..1; 0: 0.6. The narrowest spans some 3 pixels in a picture of 360 rows, and as
 	                      large a part of larger ones; the widest about half of the picture */
-	stilb_post_bloom_format bloom_format;
+	stilb_post_bloom_format bloom_format; /* of the device's programs */
+	stilb_post_place place;
 } stilb_post_settings;
 
 /* True if all numbers are finite and in their ranges. [any-thread] */
@@ -73,6 +91,10 @@ void stilb_post_destroy(stilb_post *post);
 /* From the next replay on. settings: valid. Programs that a setting needs for the first time are compiled by that
  * replay. */
 void stilb_post_set(stilb_post *post, const stilb_post_settings *settings);
+
+/* Lets the threads of this pool help with what the CPU computes. Its owner is the main thread; it must live until
+ * another one is set, or NULL for none, as before the first call. */
+void stilb_post_set_pool(stilb_post *post, stilb_job_pool *pool);
 
 /* What the next replay's view into the main images sees: read are view_projection, camera_position, exposure. At first
  * a view of zeros, by which nothing is occluded. */

@@ -1,12 +1,9 @@
 /* Bloom: the light is halved in size until it is a few texels high, and added up on the way back. */
 #include "post/post_internal.h"
+#include "post/post_levels.h"
 
 #include <math.h>
 #include <string.h>
-
-#define BLOOM_MAX_LEVELS 12u
-#define BLOOM_SMALLEST 4u /* texels of a level's shorter side, at least, but for the first one's */
-#define BLOOM_ROWS 360.0f /* of a picture whose first level scatters light; levels that are finer lead to it alone */
 
 /* As the shaders have it. */
 typedef struct bloom_push {
@@ -25,16 +22,16 @@ typedef struct bloom_level {
 typedef struct bloom_chain {
 	stilb_post *post;
 	stilb_gpu_plan *plan;
-	bloom_level levels[BLOOM_MAX_LEVELS];
+	bloom_level levels[POST_LEVELS];
 	uint32_t count;
 } bloom_chain;
 
-static const char *const bloom_halved_names[BLOOM_MAX_LEVELS] = {
+static const char *const bloom_halved_names[POST_LEVELS] = {
 	"bloom halved",   "bloom halved 2", "bloom halved 3", "bloom halved 4",  "bloom halved 5",  "bloom halved 6",
 	"bloom halved 7", "bloom halved 8", "bloom halved 9", "bloom halved 10", "bloom halved 11", "bloom halved 12"};
-static const char *const bloom_summed_names[BLOOM_MAX_LEVELS] = {"bloom",   "bloom 2",  "bloom 3",  "bloom 4",
-                                                                 "bloom 5", "bloom 6",  "bloom 7",  "bloom 8",
-                                                                 "bloom 9", "bloom 10", "bloom 11", "bloom 12"};
+static const char *const bloom_summed_names[POST_LEVELS] = {"bloom",   "bloom 2",  "bloom 3",  "bloom 4",
+                                                            "bloom 5", "bloom 6",  "bloom 7",  "bloom 8",
+                                                            "bloom 9", "bloom 10", "bloom 11", "bloom 12"};
 
 static uint16_t bloom_image(const bloom_chain *chain, const char *name, const bloom_level *level)
 {
@@ -47,15 +44,15 @@ static uint16_t bloom_image(const bloom_chain *chain, const char *name, const bl
 }
 
 /* Adds the images of all levels that a light of this size has. */
-static void bloom_levels(bloom_chain *chain, uint32_t width, uint32_t height)
+static void bloom_levels(bloom_chain *chain, const post_levels *sizes)
 {
-	do {
-		bloom_level *level = &chain->levels[chain->count];
-		width = level->width = (width + 1) / 2;
-		height = level->height = (height + 1) / 2;
-		level->halved = bloom_image(chain, bloom_halved_names[chain->count], level);
-		chain->count++;
-	} while (chain->count < BLOOM_MAX_LEVELS && width >= 2 * BLOOM_SMALLEST && height >= 2 * BLOOM_SMALLEST);
+	chain->count = sizes->count;
+	for (uint32_t l = 0; l < sizes->count; l++) {
+		bloom_level *level = &chain->levels[l];
+		level->width = sizes->sizes[l][0];
+		level->height = sizes->sizes[l][1];
+		level->halved = bloom_image(chain, bloom_halved_names[l], level);
+	}
 	chain->levels[chain->count - 1].summed = chain->levels[chain->count - 1].halved;
 	for (uint32_t l = 0; l + 1 < chain->count; l++)
 		chain->levels[l].summed = bloom_image(chain, bloom_summed_names[l], &chain->levels[l]);
@@ -95,7 +92,8 @@ stilb_result post_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *li
 		.name = "bloomed", .format = extent->format, .width = extent->width, .height = extent->height};
 	uint32_t width = extent->width, height = extent->height;
 	bloom_chain chain = {.post = post, .plan = plan};
-	bloom_levels(&chain, width, height);
+	post_levels sizes = post_levels_of(width, height);
+	bloom_levels(&chain, &sizes);
 	uint16_t bloomed = stilb_gpu_plan_image(plan, &row);
 	stilb_result result = STILB_OK;
 	for (uint32_t l = 0; l < chain.count && result == STILB_OK; l++) {
@@ -104,10 +102,9 @@ stilb_result post_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *li
 		                : bloom_pass(&chain, POST_BLOOM_HALVE, level->halved, finer->halved, finer->width,
 		                             finer->height, 0, 0.0f);
 	}
-	float first = roundf(log2f((float)height / BLOOM_ROWS)); /* level that scatters light */
 	for (uint32_t l = chain.count - 1; l-- > 0 && result == STILB_OK;) {
 		const bloom_level *level = &chain.levels[l], *wider = level + 1;
-		float share = (float)l < first ? 1.0f : post->settings.bloom_width;
+		float share = l < sizes.first ? 1.0f : post->settings.bloom_width;
 		result = bloom_pass(&chain, POST_BLOOM_DOUBLE, level->summed, wider->summed, wider->width, wider->height,
 		                    level->halved, share);
 	}

@@ -3,6 +3,7 @@
 #define POST_INTERNAL_H
 
 #include "base/base_contract.h"
+#include "post/cpu/post_cpu.h"
 #include "post/post.h"
 
 #define POST_BLOOM_DEFAULT_WIDTH 0.6f
@@ -26,6 +27,10 @@ struct stilb_post {
 	bool sees;            /* from_clip is there */
 	stilb_mat4 from_clip; /* to the world's directions, around the camera */
 	stilb_gpu_sampler linear;
+	post_cpu *cpu; /* NULL: nothing was computed by the CPU yet */
+	stilb_job_pool *pool;
+	stilb_gpu_buffer mapped; /* of mapped_bytes: the light while the CPU works on it */
+	uint64_t mapped_bytes;
 	stilb_gpu_program programs[STILB_POST_BLOOM_FORMATS_COUNT][POST_PROGRAMS];
 };
 
@@ -39,6 +44,9 @@ stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, 
 
 /* Adds occlusion's rows, and puts the image with it in the place of *ambient. */
 stilb_result post_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *ambient);
+
+/* Likewise, for the CPU's threads. */
+stilb_result post_host_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light);
 
 /* Adds bloom's rows, and puts the image with it in the place of *light. */
 stilb_result post_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light);

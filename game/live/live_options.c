@@ -456,7 +456,8 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	                                  .occlusion_radius = o->picture.occlusion_radius,
 	                                  .bloom = o->picture.bloom,
 	                                  .bloom_width = o->picture.bloom_width,
-	                                  .bloom_format = (stilb_post_bloom_format)o->picture.bloom_format};
+	                                  .bloom_format = (stilb_post_bloom_format)o->picture.bloom_format,
+	                                  .place = (stilb_post_place)o->picture.post_place};
 	picture_shown image;
 	picture_flags_show(&o->picture, &desc.show, &image);
 	desc.ambient_apart = stilb_engine_image_is_of_one_sample(image.name);

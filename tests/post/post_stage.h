@@ -42,15 +42,16 @@ static inline void stage_open(post_stage *s, stilb_render_device_kind device, ui
 	                          .validate = true};
 	if (stilb_render_create(&desc, &s->render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
-	stilb_gpu_image_desc source = {.name = "source",
-	                               .extent = {.format = STILB_GPU_RGBA16_F,
-	                                          .width = width,
-	                                          .height = height,
-	                                          .depth = 1,
-	                                          .layers = 1,
-	                                          .mips = 1,
-	                                          .samples = 1,
-	                                          .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO}};
+	stilb_gpu_image_desc source = {
+		.name = "source",
+		.extent = {.format = STILB_GPU_RGBA16_F,
+	               .width = width,
+	               .height = height,
+	               .depth = 1,
+	               .layers = 1,
+	               .mips = 1,
+	               .samples = 1,
+	               .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_FROM | 1u << STILB_GPU_USE_COPY_TO}};
 	assert_int_equal(stilb_gpu_image_create(stilb_render_gpu(s->render), &source, &s->source), STILB_OK);
 	stilb_render_feature feature = {STILB_RENDER_STAGE_LIGHT, stage_source, s};
 	assert_int_equal(stilb_render_add_feature(s->render, &feature), STILB_OK);

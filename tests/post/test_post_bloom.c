@@ -1,4 +1,4 @@
-/* Bloom on the device, beside its definition in double: sizes of all kinds, light that is kept, that does not flicker,
+/* Bloom by the device's programs and by the CPU's threads, beside its definition in double: sizes of all kinds, light that is kept, that does not flicker,
  * and that is no number. */
 #include "post_stage.h"
 
@@ -76,6 +76,17 @@ static plane plane_bloomed(const plane *light, const stilb_post_settings *settin
 	return out;
 }
 
+/* ---- who computes it --------------------------------------------------------------------------------------------- */
+
+/* Of the tests that run now. */
+static stilb_post_place place;
+
+static void bloom_set(post_stage *s, stilb_post_settings settings)
+{
+	settings.place = place;
+	stilb_post_set(s->post, &settings);
+}
+
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
 static float *light_make(const post_stage *s)
@@ -130,7 +141,7 @@ static void pictures_are_as_defined(void **state)
 		float *light = light_make(&s);
 		light_fill(&s, 10 + i, 50.0f, light);
 		stage_light(&s, light);
-		stilb_post_set(s.post, &cases[i].settings);
+		bloom_set(&s, cases[i].settings);
 		float *shown = stage_shown(&s);
 		for (uint32_t c = 0; c < 3; c++) {
 			plane from = plane_make(s.width, s.height);
@@ -157,7 +168,7 @@ static void light_is_kept(void **state)
 	(void)state;
 	post_stage s;
 	stage_open(&s, STILB_RENDER_DEVICE_VULKAN, 128, 64);
-	stilb_post_set(s.post, &(stilb_post_settings){.bloom = 0.7f});
+	bloom_set(&s, (stilb_post_settings){.bloom = 0.7f});
 	float *light = light_make(&s);
 	for (uint64_t seed = 0; seed < 4; seed++) {
 		light_fill(&s, seed, 1000.0f, light);
@@ -185,7 +196,7 @@ static void movement_does_not_flicker(void **state)
 	(void)state;
 	post_stage s;
 	stage_open(&s, STILB_RENDER_DEVICE_VULKAN, 160, 90);
-	stilb_post_set(s.post, &(stilb_post_settings){.bloom = 0.5f});
+	bloom_set(&s, (stilb_post_settings){.bloom = 0.5f});
 	float *light = light_make(&s);
 	double least = INFINITY, most = 0.0;
 	for (uint32_t third = 0; third < 24; third++) {
@@ -217,7 +228,7 @@ static void what_is_no_number_stays(void **state)
 	for (uint32_t format = 0; format < STILB_POST_BLOOM_FORMATS_COUNT; format++) {
 		post_stage s;
 		stage_open(&s, STILB_RENDER_DEVICE_VULKAN, 96, 64);
-		stilb_post_set(s.post, &(stilb_post_settings){.bloom = 0.5f, .bloom_format = (stilb_post_bloom_format)format});
+		bloom_set(&s, (stilb_post_settings){.bloom = 0.5f, .bloom_format = (stilb_post_bloom_format)format});
 		float *light = light_make(&s);
 		for (size_t v = 0; v < sizeof values / sizeof *values; v++) {
 			uint32_t broken = 33 * s.width + 47;
@@ -290,9 +301,9 @@ static void no_effect_no_row(void **state)
 	float *plain = stage_shown(&s);
 	assert_int_equal(bloom_passes(&s), 0);
 	assert_memory_equal(plain, light, (size_t)s.width * s.height * 3 * sizeof *light);
-	stilb_post_set(s.post, &(stilb_post_settings){.bloom = 0.1f});
+	bloom_set(&s, (stilb_post_settings){.bloom = 0.1f});
 	float *bloomed = stage_shown(&s), *again = stage_shown(&s);
-	assert_int_equal(bloom_passes(&s), 4 + 3 + 1); /* 32, 16, 8, 4 texels */
+	assert_int_equal(bloom_passes(&s), place == STILB_POST_PLACE_CPU ? 1 : 4 + 3 + 1); /* 32, 16, 8, 4 texels */
 	assert_memory_equal(bloomed, again, (size_t)s.width * s.height * 3 * sizeof *light);
 	assert_memory_not_equal(bloomed, light, (size_t)s.width * s.height * 3 * sizeof *light);
 	stilb_post_set(s.post, &(stilb_post_settings){0});
@@ -307,12 +318,37 @@ static void no_effect_no_row(void **state)
 	stage_close(&s);
 }
 
+/* The software device leaves it to the CPU, unless it is to be in 8 bits. */
+static void software_devices_leave_it_to_the_cpu(void **state)
+{
+	(void)state;
+	post_stage s;
+	stage_open(&s, STILB_RENDER_DEVICE_VULKAN, 64, 64);
+	bool software = stilb_render_device_is_software(s.render);
+	for (uint32_t format = 0; format < STILB_POST_BLOOM_FORMATS_COUNT; format++) {
+		stilb_post_settings settings = {.bloom = 0.1f, .bloom_format = (stilb_post_bloom_format)format};
+		stilb_post_set(s.post, &settings);
+		stage_draw(&s);
+		assert_int_equal(bloom_passes(&s) == 1, software && format == STILB_POST_BLOOM_HALF);
+	}
+	stage_close(&s);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(pictures_are_as_defined),   cmocka_unit_test(light_is_kept),
 		cmocka_unit_test(movement_does_not_flicker), cmocka_unit_test(what_is_no_number_stays),
-		cmocka_unit_test(fixed_point_is_near),       cmocka_unit_test(no_effect_no_row),
+		cmocka_unit_test(no_effect_no_row),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	struct CMUnitTest others[] = {
+		cmocka_unit_test(fixed_point_is_near),
+		cmocka_unit_test(software_devices_leave_it_to_the_cpu),
+	};
+	int failed = 0;
+	for (int who = STILB_POST_PLACE_GPU; who <= STILB_POST_PLACE_CPU; who++) {
+		place = (stilb_post_place)who;
+		failed += cmocka_run_group_tests_name(stilb_post_place_names[who], tests, NULL, NULL);
+	}
+	return failed + cmocka_run_group_tests(others, NULL, NULL);
 }

@@ -1,0 +1,101 @@
+/* Effects on the CPU's threads: the same bits for any number of workers, any instruction set, and the picture's place in
+ * the order of sizes. That they are what they should be test_post_bloom tells. */
+#include "image/image.h"
+#include "post/cpu/post_cpu.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static uint16_t *light_make(uint32_t width, uint32_t height)
+{
+	size_t count = (size_t)width * height * 4;
+	uint16_t *texels = malloc(count * sizeof *texels);
+	assert_non_null(texels);
+	for (size_t i = 0; i < count; i++) {
+		float value = stilb_random_float(width, i), rare = stilb_random_float(height, i);
+		texels[i] = rare > 0.995f ? 0x7c00u + (i & 0x81ffu)
+		                          : stilb_image_half_from_float(rare > 0.98f ? 900.0f * value : value);
+	}
+	return texels;
+}
+
+/* One picture behind another, of all sizes, by pools of all sizes. */
+static void same_bits_by_any_threads(void **state)
+{
+	(void)state;
+	static const uint32_t sizes[][2] = {{640, 360}, {1, 1}, {3, 5}, {16384, 1}, {1, 999}, {67, 41}, {640, 360}};
+	static const uint32_t workers[] = {0, 1, 2, 3, 8};
+	const stilb_post_settings settings = {.bloom = 0.3f, .bloom_width = 0.6f};
+	uint16_t *alone[sizeof sizes / sizeof *sizes];
+	for (size_t w = 0; w <= sizeof workers / sizeof *workers; w++) { /* the first time without a pool */
+		post_cpu *cpu;
+		stilb_job_pool *pool = NULL;
+		stilb_job_pool_desc desc = {.worker_count = w > 0 ? workers[w - 1] : 0};
+		assert_int_equal(post_cpu_create(&cpu), STILB_OK);
+		assert_int_equal(w > 0 ? stilb_job_pool_create(&desc, &pool) : 0, 0);
+		for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+			uint32_t width = sizes[i][0], height = sizes[i][1];
+			uint16_t *texels = light_make(width, height);
+			assert_int_equal(post_cpu_fit(cpu, width, height, pool), STILB_OK);
+			post_cpu_bloom(cpu, &settings, texels);
+			if (w == 0)
+				alone[i] = texels;
+			else
+				assert_memory_equal(texels, alone[i], (size_t)width * height * 8);
+			if (w > 0)
+				free(texels);
+		}
+		stilb_job_pool_destroy(pool);
+		post_cpu_destroy(cpu);
+	}
+	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+		free(alone[i]);
+}
+
+#if defined(__x86_64__)
+/* All half floats, and floats around the middle between two of them, but for what NaN carries. */
+static void instruction_sets_agree(void **state)
+{
+	(void)state;
+	if (!stilb_cpu_query().f16c)
+		skip();
+	enum { HALVES = 65536, TEXELS = HALVES / 4 };
+	static uint16_t halves[HALVES], narrowed[2][HALVES];
+	static post_texel wide[2][TEXELS];
+	for (uint32_t i = 0; i < HALVES; i++)
+		halves[i] = (uint16_t)i;
+	post_cpu_rows_scalar.widen(halves, TEXELS, wide[0]);
+	post_cpu_rows_f16c.widen(halves, TEXELS, wide[1]);
+	for (uint32_t i = 0; i < HALVES; i++) {
+		float a = wide[0][i / 4][i % 4], b = wide[1][i / 4][i % 4];
+		assert_true(isnan(a) ? isnan(b) : memcmp(&a, &b, sizeof a) == 0);
+	}
+	for (int step = -1; step <= 1; step++) {
+		for (uint32_t i = 0; i < HALVES; i++) {
+			float half = stilb_image_half_to_float((uint16_t)i), next = stilb_image_half_to_float((uint16_t)(i + 1));
+			float middle = 0.5f * half + 0.5f * next;
+			wide[0][i / 4][i % 4] = step < 0   ? nextafterf(middle, -INFINITY)
+			                        : step > 0 ? nextafterf(middle, INFINITY)
+			                                   : middle;
+		}
+		post_cpu_rows_scalar.narrow(wide[0], TEXELS, narrowed[0]);
+		post_cpu_rows_f16c.narrow(wide[0], TEXELS, narrowed[1]);
+		for (uint32_t i = 0; i < HALVES; i++)
+			if (!isnan(wide[0][i / 4][i % 4]) && narrowed[0][i] != narrowed[1][i])
+				fail_msg("%.9g: %#x and %#x", (double)wide[0][i / 4][i % 4], narrowed[0][i], narrowed[1][i]);
+	}
+}
+#endif
+
+int main(void)
+{
+	struct CMUnitTest tests[] = {
+		cmocka_unit_test(same_bits_by_any_threads),
+#if defined(__x86_64__)
+		cmocka_unit_test(instruction_sets_agree),
+#endif
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
