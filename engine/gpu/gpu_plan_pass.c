@@ -140,7 +140,7 @@ static stilb_result check_kind(const checked *c)
 		return wrong(c, "is of kind %s and has no program", kind);
 	if (programless && pass->constant_bytes > 0)
 		return wrong(c, "is of kind %s and has constants: leave them out", kind);
-	if ((pass->kind == STILB_GPU_PASS_HOST) != (pass->host != NULL))
+	if ((pass->kind == STILB_GPU_PASS_HOST) == !pass->host)
 		return wrong(c, "is of kind %s and has %s function: passes of kind host have one, and no others do", kind,
 		             pass->host ? "a" : "no");
 	static const char *const queues[STILB_GPU_QUEUES] = {"main", "compute", "copy"};

@@ -1,5 +1,5 @@
-/* Bloom by the device's programs and by the CPU's threads, beside its definition in double: sizes of all kinds, light that is kept, that does not flicker,
- * and that is no number. */
+/* Bloom by the device's programs and by the CPU's threads, beside its definition in double: sizes of all kinds, light
+ * that is kept, that does not flicker, and that is no number. */
 #include "post_stage.h"
 
 /* ---- the definition ---------------------------------------------------------------------------------------------- */
