@@ -3,9 +3,6 @@
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 
-static const bench_metric effect_metrics[] = {
-	{"frame", "ms", true, NULL}, {"gpu", "ms", true, NULL}, {"gpu-pixel", "ns", true, NULL}};
-
 static const bench_metric placed_metrics[] = {{"frame", "ms", true, NULL},     {"gpu", "ms", true, NULL},
                                               {"gpu-pixel", "ns", true, NULL}, {"cpu", "ms", true, NULL},
                                               {"cpu-pixel", "ns", true, NULL}, {"ratio", "x", true, NULL}};
@@ -21,8 +18,8 @@ static const bench_case cases[] = {
      .metric_count = COUNT(placed_metrics)},
 	{.name = "ao",
      .title = "ambient occlusion, 225 spheres, 640 x 360",
-     .metrics = effect_metrics,
-     .metric_count = COUNT(effect_metrics)},
+     .metrics = placed_metrics,
+     .metric_count = COUNT(placed_metrics)},
 };
 
 static const bench_subject subjects[] = {

@@ -1,6 +1,8 @@
 /* The chain: what there is of it. */
 #include "post/post_internal.h"
 
+#include "render/device/render_images.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,14 +27,12 @@ bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
 
 /* ---- the chain --------------------------------------------------------------------------------------------------- */
 
-/* True if the CPU's threads compute what becomes of this light. */
-static bool post_is_by_cpu(const stilb_post *post, const stilb_gpu_plan *plan, uint16_t light)
+/* True if the CPU's threads compute what becomes of this image. */
+static bool post_is_by_cpu(const stilb_post *post, const stilb_gpu_plan *plan, uint16_t image)
 {
-	stilb_post_place place = post->settings.place;
-	bool software = stilb_render_device_is_software(post->render);
-	bool half = post->settings.bloom_format == STILB_POST_BLOOM_HALF;
-	bool cpu = place == STILB_POST_PLACE_CPU || (place == STILB_POST_PLACE_AUTO && software && half);
-	return cpu && stilb_gpu_plan_extent(plan, light)->format == STILB_GPU_RGBA16_F;
+	bool cpu = post->settings.place == STILB_POST_PLACE_AUTO ? stilb_render_device_is_software(post->render)
+	                                                         : post->settings.place == STILB_POST_PLACE_CPU;
+	return cpu && stilb_gpu_plan_extent(plan, image)->format == STILB_GPU_RGBA16_F;
 }
 
 static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *light)
@@ -40,14 +40,21 @@ static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *l
 	stilb_post *post = user;
 	if (post->settings.bloom == 0.0f)
 		return STILB_OK;
-	return post_is_by_cpu(post, plan, *light) ? post_host_bloom_add(post, plan, light)
-	                                          : post_bloom_add(post, plan, light);
+	bool fixed = post->settings.place == STILB_POST_PLACE_AUTO && post->settings.bloom_format == STILB_POST_BLOOM_FIXED;
+	return post_is_by_cpu(post, plan, *light) && !fixed ? post_host_bloom_add(post, plan, light)
+	                                                    : post_bloom_add(post, plan, light);
 }
 
 static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t *ambient)
 {
 	stilb_post *post = user;
-	return post->settings.occlusion > 0.0f && post->sees ? post_occlusion_add(post, plan, ambient) : STILB_OK;
+	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH);
+	if (post->settings.occlusion == 0.0f || !post->sees)
+		return STILB_OK;
+	STILB_ASSERT(depth != 0);
+	bool floats = stilb_gpu_plan_extent(plan, depth)->format == STILB_GPU_D32_F;
+	return post_is_by_cpu(post, plan, *ambient) && floats ? post_host_occlusion_add(post, plan, ambient, depth)
+	                                                      : post_occlusion_add(post, plan, ambient, depth);
 }
 
 stilb_result stilb_post_create(stilb_render *render, stilb_post **post)
@@ -86,7 +93,8 @@ void stilb_post_destroy(stilb_post *post)
 			if (post->programs[f][p].id)
 				stilb_gpu_program_destroy(stilb_render_gpu(post->render), post->programs[f][p]);
 	post_cpu_destroy(post->cpu);
-	stilb_gpu_buffer_destroy(stilb_render_gpu(post->render), post->mapped);
+	for (uint32_t m = 0; m < POST_MAPPED; m++)
+		stilb_gpu_buffer_destroy(stilb_render_gpu(post->render), post->mapped[m]);
 	free(post);
 }
 

@@ -16,7 +16,7 @@
  *            weights are those of a quadratic B-spline, whose sums are the same wherever a pixel lies, so that what
  *            moves does not flicker. NaN and infinite light stays where it is and scatters nothing.
  *            With FIXED the images between hold T(c) = c / (1 + c's largest channel) in 8 bits, half the bytes.
- * Place      Bloom is computed by programs of the device, or by the CPU's threads between two submissions: the same
+ * Place      Both are computed by programs of the device, or by the CPU's threads between two submissions: the same
  *            pixels but for rounding, which is between images in half floats there and in floats here; bloom_format is
  *            then of no account.
  * Sources    Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion" (2008), and Jimenez, Wu, Pesce,
@@ -52,7 +52,7 @@ typedef enum stilb_post_bloom_format {
 /* Their identifiers, NULL-terminated; the index is the stilb_post_bloom_format. */
 extern const char *const stilb_post_bloom_format_names[];
 
-/* Who computes what follows the light: bloom, so far. */
+/* Who computes occlusion and bloom. */
 #define STILB_POST_PLACES(X)                                                                                           \
 	X(AUTO, "auto", "the CPU's threads on software devices, unless bloom is FIXED; else the device")                   \
 	X(GPU, "gpu", "programs of the device")                                                                            \

@@ -20,6 +20,9 @@ typedef enum post_program {
 	POST_PROGRAMS
 } post_program;
 
+/* Images that the CPU works on. */
+typedef enum post_mapped { POST_MAPPED_LIGHT, POST_MAPPED_AMBIENT, POST_MAPPED_DEPTH, POST_MAPPED } post_mapped;
+
 struct stilb_post {
 	stilb_render *render;
 	stilb_post_settings settings;
@@ -29,8 +32,8 @@ struct stilb_post {
 	stilb_gpu_sampler linear;
 	post_cpu *cpu; /* NULL: nothing was computed by the CPU yet */
 	stilb_job_pool *pool;
-	stilb_gpu_buffer mapped; /* of mapped_bytes: the light while the CPU works on it */
-	uint64_t mapped_bytes;
+	stilb_gpu_buffer mapped[POST_MAPPED]; /* images while the CPU works on them */
+	uint64_t mapped_bytes[POST_MAPPED];
 	stilb_gpu_program programs[STILB_POST_BLOOM_FORMATS_COUNT][POST_PROGRAMS];
 };
 
@@ -43,10 +46,11 @@ stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, 
                               stilb_gpu_program *program);
 
 /* Adds occlusion's rows, and puts the image with it in the place of *ambient. */
-stilb_result post_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *ambient);
+stilb_result post_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *ambient, uint16_t depth);
 
 /* Likewise, for the CPU's threads. */
 stilb_result post_host_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light);
+stilb_result post_host_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *ambient, uint16_t depth);
 
 /* Adds bloom's rows, and puts the image with it in the place of *light. */
 stilb_result post_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light);

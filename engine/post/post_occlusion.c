@@ -1,11 +1,7 @@
 /* Occlusion: what hides the surroundings from each pixel, from the frame's depth. */
 #include "post/post_internal.h"
 
-#include "render/device/render_images.h"
-
 #include <string.h>
-
-#define OCCLUSION_SMALLEST 1e-12f /* depth that is still something: what is behind it is the backdrop */
 
 /* As the shaders have it. */
 typedef struct occlusion_push {
@@ -23,7 +19,7 @@ static stilb_result occlusion_pass(stilb_post *post, stilb_gpu_plan *plan, const
 		return result;
 	occlusion_push push = {.radius = post->settings.occlusion_radius,
 	                       .strength = post->settings.occlusion,
-	                       .smallest = OCCLUSION_SMALLEST};
+	                       .smallest = POST_OCCLUSION_SMALLEST};
 	stilb_gpu_pass pass = {.name = name,
 	                       .kind = STILB_GPU_PASS_FULLSCREEN,
 	                       .program = program.id,
@@ -41,7 +37,7 @@ static stilb_result occlusion_pass(stilb_post *post, stilb_gpu_plan *plan, const
 	return STILB_OK;
 }
 
-stilb_result post_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *ambient)
+stilb_result post_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *ambient, uint16_t depth)
 {
 	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, *ambient);
 	uint32_t width = extent->width, height = extent->height;
@@ -49,8 +45,6 @@ stilb_result post_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t
 		.name = "ambient occluded", .format = extent->format, .width = width, .height = height};
 	stilb_gpu_plan_image_row half = {
 		.name = "visibility asked", .format = STILB_GPU_RG16_F, .width = (width + 1) / 2, .height = (height + 1) / 2};
-	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH);
-	STILB_ASSERT(depth != 0);
 	uint16_t asked = stilb_gpu_plan_image(plan, &half);
 	half.name = "visibility";
 	uint16_t smooth = stilb_gpu_plan_image(plan, &half);

@@ -218,7 +218,7 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 	     "images that add it up: half, or fixed, 8 bits through a tone curve (half)", 0, 0,
 	     stilb_post_bloom_format_names},
 		{"--post", FLAG_CHOICE, &p->post_place, "WHO",
-	     "computes bloom: gpu, cpu, or auto: cpu on software devices (auto)", 0, 0, stilb_post_place_names},
+	     "computes bloom and --ao: gpu, cpu, or auto: cpu on software devices (auto)", 0, 0, stilb_post_place_names},
 	};
 	flag_rows_add(table, post, sizeof post / sizeof *post);
 }

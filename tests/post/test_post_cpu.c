@@ -1,7 +1,8 @@
 /* Effects on the CPU's threads: the same bits for any number of workers and any instruction set, whatever the pictures
  * before. That they are what they should be test_post_bloom tells. */
 #include "image/image.h"
-#include "post/cpu/post_cpu.h"
+#include "post/cpu/post_cpu_internal.h"
+#include "post/cpu/post_cpu_lanes.h"
 #include "support/test.h"
 
 #include <math.h>
@@ -54,6 +55,79 @@ static void same_bits_by_any_threads(void **state)
 		free(alone[i]);
 }
 
+/* A floor that rises, with steps and holes without depth. */
+static float *depth_make(uint32_t width, uint32_t height)
+{
+	float *depth = malloc((size_t)width * height * sizeof *depth);
+	assert_non_null(depth);
+	for (size_t i = 0; i < (size_t)width * height; i++) {
+		float up = (float)(i / width) / (float)height, step = stilb_random_float(width, i / 37);
+		depth[i] = step < 0.1f ? 0.0f : 0.02f * (0.2f + up) + (step > 0.8f ? 0.004f : 0.0f);
+	}
+	return depth;
+}
+
+/* Likewise occlusion, in every instruction set that this CPU has. */
+static void same_bits_of_occlusion(void **state)
+{
+	(void)state;
+	static const uint32_t sizes[][2] = {{320, 180}, {1, 1}, {3, 5}, {4099, 1}, {1, 99}, {67, 41}};
+	const occlusion_rows *sets[2] = {&post_cpu_occlusion_plain,
+	                                 stilb_cpu_query().avx2 ? post_cpu_occlusion_avx2 : NULL};
+	stilb_post_settings settings = {.occlusion = 0.8f, .occlusion_radius = 0.5f};
+	stilb_mat4 from_clip = stilb_mat4_perspective(1.0f, 1.5f, 0.1f, 100.0f);
+	from_clip = stilb_mat4_inverse(&from_clip);
+	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+		uint32_t width = sizes[i][0], height = sizes[i][1];
+		size_t bytes = (size_t)width * height * 8;
+		float *depth = depth_make(width, height);
+		uint16_t *first = NULL;
+		for (uint32_t run = 0; run < 6; run++) {
+			post_cpu *cpu;
+			stilb_job_pool *pool = NULL;
+			stilb_job_pool_desc desc = {.worker_count = run / 2};
+			if (!sets[run % 2])
+				continue;
+			assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
+			assert_int_equal(post_cpu_create(&cpu), STILB_OK);
+			cpu->occlusion = sets[run % 2];
+			assert_int_equal(post_cpu_fit(cpu, width, height, pool), STILB_OK);
+			uint16_t *ambient = malloc(bytes);
+			assert_non_null(ambient);
+			for (size_t t = 0; t < bytes / 2; t++)
+				ambient[t] = stilb_image_half_from_float(stilb_random_float(9, t));
+			post_cpu_occlusion(cpu, &settings, &from_clip, depth, ambient);
+			if (first)
+				assert_memory_equal(first, ambient, bytes);
+			for (size_t t = 0; t < bytes / 2; t++) /* only darker, and no less than the strength leaves */
+				assert_in_range(1000 * stilb_image_half_to_float(ambient[t]), 199 * stilb_random_float(9, t),
+				                1001 * stilb_random_float(9, t) + 1);
+			if (first)
+				free(ambient);
+			else
+				first = ambient;
+			post_cpu_destroy(cpu);
+			stilb_job_pool_destroy(pool);
+		}
+		free(first);
+		free(depth);
+	}
+}
+
+/* The angle of a cosine is what the C library says. */
+static void angles_are_exact_enough(void **state)
+{
+	(void)state;
+	for (int i = -1000000; i <= 1000000; i += 8) {
+		float cosine[8], angle[8];
+		for (int k = 0; k < 8; k++)
+			cosine[k] = fminf((float)(i + k) * 1e-6f, 1.0f);
+		lanes_store(lanes_acos(lanes_load(cosine)), angle);
+		for (int k = 0; k < 8; k++)
+			assert_true(fabsf(angle[k] - acosf(cosine[k])) < 1e-6f);
+	}
+}
+
 #if defined(__x86_64__)
 /* All half floats, and floats around the middle between two of them, but for what NaN carries. */
 static void instruction_sets_agree(void **state)
@@ -93,6 +167,8 @@ int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(same_bits_by_any_threads),
+		cmocka_unit_test(same_bits_of_occlusion),
+		cmocka_unit_test(angles_are_exact_enough),
 #if defined(__x86_64__)
 		cmocka_unit_test(instruction_sets_agree),
 #endif

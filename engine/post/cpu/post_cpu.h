@@ -10,6 +10,8 @@
 #include "jobs/job.h"
 #include "post/post.h"
 
+#define POST_OCCLUSION_SMALLEST 1e-12f /* depth that is still something: what is behind it is the backdrop */
+
 typedef struct post_cpu post_cpu;
 
 /* STILB_ERROR_MEMORY. */
@@ -18,12 +20,18 @@ stilb_result post_cpu_create(post_cpu **cpu);
 void post_cpu_destroy(post_cpu *cpu);
 
 /* The next picture: its size, 1..16384, and the pool whose threads help, of which the caller is the owner; NULL: the
- * caller alone. Takes the memory that post_cpu_bloom needs. STILB_ERROR_MEMORY: the picture before is the next one. */
+ * caller alone. Takes the memory that effects need. STILB_ERROR_MEMORY: the picture before is the next one. */
 stilb_result post_cpu_fit(post_cpu *cpu, uint32_t width, uint32_t height, stilb_job_pool *pool);
 
 /* Bloom (post_bloom.c) of a picture of the size of post_cpu_fit: [width * height] RGBA in half floats, in place. Of the
  * settings bloom, which is above 0, and bloom_width count. */
 void post_cpu_bloom(post_cpu *cpu, const stilb_post_settings *settings, uint16_t *texels);
+
+/* Occlusion (post_occlusion.c) of such a picture: depth, 1 is nearest; ambient: RGBA in half floats, in place;
+ * from_clip: of clip space to the world's directions, around the camera. Of the settings occlusion and occlusion_radius
+ * count, both above 0. */
+void post_cpu_occlusion(post_cpu *cpu, const stilb_post_settings *settings, const stilb_mat4 *from_clip,
+                        const float *depth, uint16_t *ambient);
 
 /* ---- rows: what differs between instruction sets ----------------------------------------------------------------- */
 

@@ -1,0 +1,34 @@
+/* Inside post/cpu/. */
+#ifndef POST_CPU_INTERNAL_H
+#define POST_CPU_INTERNAL_H
+
+#include "base/base_contract.h"
+#include "post/cpu/post_cpu_occlusion.h"
+#include "post/post_levels.h"
+
+/* A picture between: rows without gaps. */
+typedef struct cpu_picture {
+	post_texel *texels;
+	uint32_t width, height;
+} cpu_picture;
+
+struct post_cpu {
+	const post_cpu_rows *rows;
+	const occlusion_rows *occlusion;
+	stilb_job_pool *pool;
+	uint32_t width, height;
+	post_levels levels;
+	cpu_picture halved[POST_LEVELS]; /* of bloom, in `texels` */
+	post_texel *texels, *halves;     /* of all levels; the images of occlusion */
+	post_texel *scratch;             /* four rows of the picture for each thread */
+	size_t texel_capacity, half_capacity, scratch_capacity;
+	uint16_t *light; /* of the call of post_cpu_bloom */
+};
+
+/* Calls rows for all rows of a picture, on the threads that there are. */
+void post_cpu_loop(const post_cpu *cpu, stilb_job_range_fn *rows, uint32_t width, uint32_t height, void *context);
+
+/* Of all images of occlusion together. */
+size_t post_cpu_occlusion_floats(uint32_t width, uint32_t height);
+
+#endif
