@@ -82,6 +82,32 @@ stilb_result gpu_vulkan_slot_begin(gpu_vulkan *gpu, uint32_t passes)
 	return result == VK_SUCCESS ? gpu_vulkan_times_begin(gpu, passes) : gpu_vulkan_fail(gpu, result, "begin a frame");
 }
 
+VkResult gpu_vulkan_extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands)
+{
+	if (slot->extra_used == slot->extra_count) {
+		VkCommandBuffer *grown = realloc(slot->extra, (slot->extra_count + 1) * sizeof *grown);
+		if (!grown)
+			return VK_ERROR_OUT_OF_HOST_MEMORY;
+		slot->extra = grown;
+		VkCommandBufferAllocateInfo info = {
+			.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+			.commandPool = slot->pool,
+			.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+			.commandBufferCount = 1,
+		};
+		VkResult result = vkAllocateCommandBuffers(gpu->device, &info, &slot->extra[slot->extra_count]);
+		if (result != VK_SUCCESS)
+			return result;
+		slot->extra_count++;
+	}
+	*commands = slot->extra[slot->extra_used++];
+	VkCommandBufferBeginInfo begin = {
+		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+	};
+	return vkBeginCommandBuffer(*commands, &begin);
+}
+
 stilb_result gpu_vulkan_slot_split(gpu_vulkan *gpu, const stilb_gpu_pass *pass, const stilb_prof_site *site)
 {
 	gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);

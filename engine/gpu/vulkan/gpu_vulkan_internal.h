@@ -322,6 +322,8 @@ void gpu_vulkan_frames_destroy(gpu_vulkan *gpu);
 stilb_result gpu_vulkan_slot_take(gpu_vulkan *gpu);
 /* Begins `draw`, with timestamps for up to `passes` passes. */
 stilb_result gpu_vulkan_slot_begin(gpu_vulkan *gpu, uint32_t passes);
+/* A command buffer of the slot's `extra`, begun. */
+VkResult gpu_vulkan_extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands);
 /* Ends a part of the frame with a pass of kind HOST: `draw` is then another command buffer, begun. */
 stilb_result gpu_vulkan_slot_split(gpu_vulkan *gpu, const stilb_gpu_pass *pass, const stilb_prof_site *site);
 /* Ends and submits `draw`. Before that, each part of the frame: submits it, waits for it, and calls its function. */
@@ -471,8 +473,6 @@ void gpu_vulkan_relayout(VkCommandBuffer commands, const gpu_vulkan_texels *texe
 void gpu_vulkan_full_barrier(VkCommandBuffer commands);
 
 /* gpu_vulkan_upload.c: uploads, read-back. */
-/* A command buffer of the slot's `extra`, begun. */
-VkResult gpu_vulkan_extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands);
 void gpu_vulkan_uploads(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *uploads, uint32_t count);
 /* Before commands are recorded that may give images their first layout. */
 void gpu_vulkan_rest_begin(gpu_vulkan *gpu);

@@ -9,32 +9,6 @@ static stilb_gpu_range part_of(uint32_t mip, uint32_t layer)
 	return (stilb_gpu_range){(uint8_t)mip, 1, (uint16_t)layer, 1};
 }
 
-VkResult gpu_vulkan_extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands)
-{
-	if (slot->extra_used == slot->extra_count) {
-		VkCommandBuffer *grown = realloc(slot->extra, (slot->extra_count + 1) * sizeof *grown);
-		if (!grown)
-			return VK_ERROR_OUT_OF_HOST_MEMORY;
-		slot->extra = grown;
-		VkCommandBufferAllocateInfo info = {
-			.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-			.commandPool = slot->pool,
-			.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-			.commandBufferCount = 1,
-		};
-		VkResult result = vkAllocateCommandBuffers(gpu->device, &info, &slot->extra[slot->extra_count]);
-		if (result != VK_SUCCESS)
-			return result;
-		slot->extra_count++;
-	}
-	*commands = slot->extra[slot->extra_used++];
-	VkCommandBufferBeginInfo begin = {
-		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
-	};
-	return vkBeginCommandBuffer(*commands, &begin);
-}
-
 /* ---- uploads ----------------------------------------------------------------------------------------------------- */
 
 /* Gives parts of an image that nobody has written a layout, all or none: so a set can sample all mips once some were

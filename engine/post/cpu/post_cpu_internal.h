@@ -28,7 +28,17 @@ struct post_cpu {
 /* Calls rows for all rows of a picture, on the threads that there are. */
 void post_cpu_loop(const post_cpu *cpu, stilb_job_range_fn *rows, uint32_t width, uint32_t height, void *context);
 
-/* Of all images of occlusion together. */
-size_t post_cpu_occlusion_floats(uint32_t width, uint32_t height);
+/* Of rows of the images of occlusion: floats, margins included. */
+static inline uint32_t post_cpu_occlusion_stride(uint32_t width)
+{
+	uint32_t lanes = OCCLUSION_LANES - 1;
+	return (((width + 1) / 2 + lanes) & ~lanes) + 2 * OCCLUSION_MARGIN;
+}
+
+/* Floats of all three. */
+static inline size_t post_cpu_occlusion_floats(uint32_t width, uint32_t height)
+{
+	return (size_t)3 * post_cpu_occlusion_stride(width) * ((height + 1) / 2);
+}
 
 #endif

@@ -5,17 +5,6 @@
 
 #include <string.h>
 
-static uint32_t occlusion_stride(uint32_t width)
-{
-	uint32_t lanes = OCCLUSION_LANES - 1;
-	return (((width + 1) / 2 + lanes) & ~lanes) + 2 * OCCLUSION_MARGIN;
-}
-
-size_t post_cpu_occlusion_floats(uint32_t width, uint32_t height)
-{
-	return (size_t)3 * occlusion_stride(width) * ((height + 1) / 2);
-}
-
 typedef struct occlusion_step {
 	const post_cpu *cpu;
 	occlusion_work work;
@@ -58,7 +47,7 @@ void post_cpu_occlusion(post_cpu *cpu, const stilb_post_settings *settings, cons
                         const float *depth, uint16_t *ambient)
 {
 	PROFILE("occlusion on the CPU");
-	uint32_t stride = occlusion_stride(cpu->width), half_height = (cpu->height + 1) / 2;
+	uint32_t stride = post_cpu_occlusion_stride(cpu->width), half_height = (cpu->height + 1) / 2;
 	size_t image = (size_t)stride * half_height;
 	occlusion_step step = {
 		.cpu = cpu,
