@@ -56,7 +56,9 @@ typedef struct rows_slice {
 LANES_INLINE lanes rows_hidden(const occlusion_work *work, const rows_slice *s, lanes step_x, lanes step_y, lanes bent,
                                lanes bent_cos, lanes bent_sin)
 {
-	lanes highest = bent + 0.5f * PI, open = 0.5f * (bent_cos + highest * bent_sin), sum = lanes_all(0.0f);
+	lanes by_share = 1.0f / s->share, highest = bent + 0.5f * PI, open = 0.5f * (bent_cos + highest * bent_sin),
+		  sum = lanes_all(0.0f);
+	float by_radius = 1.0f / work->radius;
 	lanes_int inside = {-1, -1, -1, -1, -1, -1, -1, -1};
 	for (int i = 0; i < STEPS; i++) {
 		lanes away = ((float)i + s->first) / (float)STEPS;
@@ -65,10 +67,10 @@ LANES_INLINE lanes rows_hidden(const occlusion_work *work, const rows_slice *s, 
 		inside &= (x >= 0.0f) & (y >= 0.0f) & (x < (float)work->width) & (y < (float)work->height);
 		lanes depth = lanes_max(rows_depth(work, x, y), lanes_all(work->smallest));
 		lanes3 there = lanes3_subtract(rows_place(work, x + 0.5f, y + 0.5f, depth), s->place);
-		lanes far = lanes_max(lanes_root(lanes3_dot(there, there)), lanes_all(1e-9f));
-		lanes up = lanes_clamp(lanes3_dot(there, s->view) / far, -1.0f, 1.0f);
+		lanes far = lanes_max(lanes_root(lanes3_dot(there, there)), lanes_all(1e-9f)), by_far = 1.0f / far;
+		lanes up = lanes_clamp(lanes3_dot(there, s->view) * by_far, -1.0f, 1.0f);
 		lanes_int behind = (bent < 0.0f) | (up < bent_cos);
-		lanes from_normal = lanes_clamp(lanes3_dot(there, s->normal) / (far * s->share), -1.0f, 1.0f);
+		lanes from_normal = lanes_clamp(lanes3_dot(there, s->normal) * by_far * by_share, -1.0f, 1.0f);
 		lanes cosine = lanes_select(behind, from_normal, up), angle = lanes_acos(cosine);
 		lanes twice_sin = 2.0f * cosine * lanes_root(1.0f - cosine * cosine);
 		/* The cosine of twice the angle less bent. */
@@ -76,7 +78,7 @@ LANES_INLINE lanes rows_hidden(const occlusion_work *work, const rows_slice *s, 
 			bent_cos * (2.0f * cosine * cosine - 1.0f) + bent_sin * lanes_select(behind, -twice_sin, twice_sin);
 		angle = lanes_select(behind, bent + angle, angle);
 		lanes left = 0.25f * (bent_cos + 2.0f * angle * bent_sin - twice);
-		lanes weight = lanes_clamp(1.0f - far / work->radius, 0.0f, 1.0f);
+		lanes weight = lanes_clamp(1.0f - far * by_radius, 0.0f, 1.0f);
 		lanes_int higher = inside & (angle < highest);
 		sum += lanes_select(higher, weight * (open - left), lanes_all(0.0f));
 		highest = lanes_select(higher, angle, highest);
