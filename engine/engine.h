@@ -104,6 +104,7 @@ enum {
 	STILB_ENGINE_VALUE,     /* show the linear light under the pointer, or hide it; channels always show it */
 	STILB_ENGINE_CLIPS,     /* open or close the animation's window */
 	STILB_ENGINE_LIGHTS,    /* open or close the lights' window, in which they are listed and changed */
+	STILB_ENGINE_EFFECTS,   /* open or close the effects' window, with what happens to the light of frames */
 	STILB_ENGINE_STEP,      /* move what plays on by 1/60 s */
 	STILB_ENGINE_STEP_BACK, /* and back */
 	STILB_ENGINE_ACTIONS
@@ -264,6 +265,7 @@ typedef struct stilb_engine_desc {
 	bool inspector;     /* the materials' window is open from the start */
 	bool clips;         /* the animation's window is open from the start */
 	bool lights;        /* the lights' window is open from the start */
+	bool effects;       /* likewise, the effects' window */
 	bool keys;          /* the key card is open from the start */
 	bool times;         /* frame rate and time are shown from the start */
 	bool hint;          /* a line names the main keys for the first seconds; only in a window */

@@ -85,6 +85,10 @@ static const stilb_input_action engine_actions[] = {
                                                    .kind = STILB_INPUT_SWITCH,
                                                    .keys = {STILB_WINDOW_KEY_F5},
                                                    .help = "open or close the list of lights"},
+	[STILB_ENGINE_EFFECTS - STILB_INPUT_ACTIONS] = {.name = "effects",
+                                                    .kind = STILB_INPUT_SWITCH,
+                                                    .keys = {STILB_WINDOW_KEY_F6},
+                                                    .help = "open or close the effects on the light"},
 	[STILB_ENGINE_STEP -
 		STILB_INPUT_ACTIONS] = {.name = "step", .typed = ".", .help = "a sixtieth of a second on, back"},
 	[STILB_ENGINE_STEP_BACK -

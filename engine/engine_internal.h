@@ -46,6 +46,13 @@ typedef struct engine_lights {
 	float kelvin, reach;       /* of the sliders of temperature and place */
 } engine_lights;
 
+/* The effects' window. */
+typedef struct engine_effects {
+	bool open, without; /* without: frames have none, so that both can be compared */
+	stilb_ui_rect place;
+	stilb_post_settings kept, last; /* what the window shows; amounts of effects that are off, when they were on */
+} engine_effects;
+
 /* A panel, shown for a while, that names the gamepads that may not be opened and the udev rule that would permit it.
  * {0}: it is not shown. */
 #define ENGINE_NOTICE_PADS 3u
@@ -95,6 +102,7 @@ typedef struct engine_overlay {
 	engine_inspector inspector;
 	engine_clips clips;
 	engine_lights lights;
+	engine_effects effects;
 	engine_notice notice;
 	engine_toasts toasts;
 	engine_keys keys;
@@ -400,7 +408,7 @@ stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspe
 static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 {
 	return overlay->profiler_open || overlay->inspector_open || overlay->clips.open || overlay->lights.open ||
-	       overlay->notice.pad_count > 0 || overlay->keys.open ||
+	       overlay->effects.open || overlay->notice.pad_count > 0 || overlay->keys.open ||
 	       (!overlay->toasts.hidden &&
 	        (overlay->toasts.count > 0 || overlay->shader_error || overlay->keys.hint_seconds > 0.0f ||
 	         overlay->rate.open || overlay->divider_open || overlay->caption_open || overlay->value_open ||
@@ -616,7 +624,10 @@ bool engine_watch_draw(const char *text, stilb_ui *ui);
 /* engine_clips.c: the animation's window. */
 void engine_clips_draw(stilb_engine *engine, stilb_ui *ui);
 
-/* engine_lights.c: the lights' window. */
+/* windows/engine_effects.c: the effects' window. */
+void engine_effects_draw(stilb_engine *engine, stilb_ui *ui);
+
+/* windows/engine_lights.c: the lights' window. */
 void engine_lights_draw(stilb_engine *engine, stilb_ui *ui);
 /* True if the user wants to see one light alone. */
 bool engine_lights_solo(const stilb_engine *engine, uint32_t *light);

@@ -48,7 +48,7 @@ stilb_result engine_overlay_start(stilb_engine *engine)
 	engine_overlay *overlay = &engine->overlay;
 	bool hint = desc->hint && engine->window;
 	stilb_result result = engine_overlay_open(engine, desc->overlay, desc->inspector);
-	if (result == STILB_OK && (desc->keys || desc->clips || desc->lights || desc->times || hint))
+	if (result == STILB_OK && (desc->keys || desc->clips || desc->lights || desc->effects || desc->times || hint))
 		result = engine_overlay_create(engine);
 	if (result != STILB_OK)
 		return result;
@@ -58,6 +58,7 @@ stilb_result engine_overlay_start(stilb_engine *engine)
 	overlay->clips.open = desc->clips;
 	overlay->lights.picked = STILB_UI_NO_ROW;
 	overlay->lights.open = desc->lights;
+	overlay->effects.open = desc->effects;
 	overlay->rate.open = desc->times;
 	overlay->keys.hint_seconds = hint ? OVERLAY_HINT_SECONDS : 0.0f;
 	return STILB_OK;
@@ -124,11 +125,13 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 		overlay->rate.open ^= times;
 	}
 	bool clips = input->actions[STILB_ENGINE_CLIPS] > 0, lights = input->actions[STILB_ENGINE_LIGHTS] > 0;
-	if ((clips || lights) && engine_overlay_create(engine) != STILB_OK) {
+	bool effects = input->actions[STILB_ENGINE_EFFECTS] > 0;
+	if ((clips || lights || effects) && engine_overlay_create(engine) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 	} else {
 		overlay->clips.open ^= clips;
 		overlay->lights.open ^= lights;
+		overlay->effects.open ^= effects;
 	}
 	if (overlay->profiler_open && input->actions[STILB_ENGINE_FREEZE] > 0)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
@@ -182,7 +185,7 @@ static void engine_overlay_build(stilb_engine *engine)
 	PROFILE("ui build");
 	engine_overlay *overlay = &engine->overlay;
 	bool covered = overlay->profiler_open || overlay->inspector_open || overlay->clips.open || overlay->lights.open ||
-	               overlay->keys.open;
+	               overlay->effects.open || overlay->keys.open;
 	float below = OVERLAY_BELOW;
 	stilb_ui_rect caption = {0};
 	stilb_ui_begin(overlay->ui, &overlay->input);
@@ -193,7 +196,8 @@ static void engine_overlay_build(stilb_engine *engine)
 	stilb_ui_rect places[] = {overlay->inspector_open ? overlay->inspector.place : (stilb_ui_rect){0},
 	                          overlay->keys.open ? overlay->keys.place : (stilb_ui_rect){0},
 	                          overlay->clips.open ? overlay->clips.place : (stilb_ui_rect){0},
-	                          overlay->lights.open ? overlay->lights.place : (stilb_ui_rect){0}};
+	                          overlay->lights.open ? overlay->lights.place : (stilb_ui_rect){0},
+	                          overlay->effects.open ? overlay->effects.place : (stilb_ui_rect){0}};
 	if (overlay->rate.open && !overlay->toasts.hidden && !overlay->profiler_open) /* which has them, too */
 		engine_rate_draw(&overlay->rate, overlay->ui, caption, places, sizeof places / sizeof *places);
 	if (overlay->value_open && !overlay->toasts.hidden)
@@ -211,6 +215,8 @@ static void engine_overlay_build(stilb_engine *engine)
 		engine_clips_draw(engine, overlay->ui);
 	if (overlay->lights.open)
 		engine_lights_draw(engine, overlay->ui);
+	if (overlay->effects.open)
+		engine_effects_draw(engine, overlay->ui);
 	if (overlay->keys.open)
 		engine_keys_draw(&overlay->keys, &engine->actions, overlay->ui);
 	if (overlay->notice.pad_count > 0)

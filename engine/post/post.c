@@ -25,6 +25,17 @@ bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
 	       (unsigned)settings->place < STILB_POST_PLACES_COUNT;
 }
 
+stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settings)
+{
+	STILB_ASSERT(stilb_post_settings_are_valid(settings));
+	stilb_post_settings filled = *settings;
+	if (filled.bloom_width == 0.0f)
+		filled.bloom_width = POST_BLOOM_DEFAULT_WIDTH;
+	if (filled.occlusion_radius == 0.0f)
+		filled.occlusion_radius = POST_OCCLUSION_DEFAULT_RADIUS;
+	return filled;
+}
+
 /* ---- the chain --------------------------------------------------------------------------------------------------- */
 
 /* True if the CPU's threads compute what becomes of this image. */
@@ -106,12 +117,8 @@ void stilb_post_set_pool(stilb_post *post, stilb_job_pool *pool)
 
 void stilb_post_set(stilb_post *post, const stilb_post_settings *settings)
 {
-	STILB_ASSERT(post && settings && stilb_post_settings_are_valid(settings));
-	post->settings = *settings;
-	if (post->settings.bloom_width == 0.0f)
-		post->settings.bloom_width = POST_BLOOM_DEFAULT_WIDTH;
-	if (post->settings.occlusion_radius == 0.0f)
-		post->settings.occlusion_radius = POST_OCCLUSION_DEFAULT_RADIUS;
+	STILB_ASSERT(post && settings);
+	post->settings = stilb_post_settings_filled(settings);
 }
 
 void stilb_post_see(stilb_post *post, const stilb_render_view *view)

@@ -77,6 +77,9 @@ typedef struct stilb_post_settings {
 	stilb_post_place place;
 } stilb_post_settings;
 
+/* With defaults in place of zeros that stand for them. settings: valid. [any-thread] */
+stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settings);
+
 /* True if all numbers are finite and in their ranges. [any-thread] */
 bool stilb_post_settings_are_valid(const stilb_post_settings *settings);
 

@@ -85,6 +85,7 @@ static void live_add_windows(live_options *o, flag_rows *table)
 	     0, 0, NULL},
 		{"--clips", FLAG_SWITCH, &o->clips, NULL, "show the animation's window from the start, also in saved pictures",
 	     0, 0, NULL},
+		{"--effects-window", FLAG_SWITCH, &o->effects, NULL, "show the effects from the start, likewise", 0, 0, NULL},
 		{"--lights-window", FLAG_SWITCH, &o->lights, NULL, "show the list of lights from the start, likewise", 0, 0,
 	     NULL},
 		{"--keys", FLAG_SWITCH, &o->keys, NULL, "show the list of keys from the start, also in saved pictures", 0, 0,
@@ -468,6 +469,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.inspector = o->inspector;
 	desc.clips = o->clips;
 	desc.lights = o->lights;
+	desc.effects = o->effects;
 	desc.keys = o->keys;
 	desc.hint = !o->screenshot; /* which saves the last frame as the window shows it */
 	desc.times = o->times || (desc.window && !o->screenshot);

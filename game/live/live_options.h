@@ -28,7 +28,7 @@ typedef struct live_options {
 	uint32_t workers, size[2];
 	int cull, ui_aa, present; /* values of the engine's enumerations */
 	bool watch_shaders, no_watch_shaders, wait_textures;
-	bool headless, no_present, overlay, inspector, clips, lights, keys, times, no_profile, invert_y;
+	bool headless, no_present, overlay, inspector, clips, lights, effects, keys, times, no_profile, invert_y;
 	float sensitivity; /* of the right stick */
 	float scale;       /* stilb_engine_desc.scale */
 	const char *frames_help;
