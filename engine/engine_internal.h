@@ -48,8 +48,9 @@ typedef struct engine_lights {
 
 /* The effects' window. */
 typedef struct engine_effects {
-	bool open, without; /* without: frames have none, so that both can be compared */
+	bool open, without, changed; /* without: frames have none, so that both can be compared; changed: by the user */
 	stilb_ui_rect place;
+	stilb_post_settings chosen;     /* by the user, if changed */
 	stilb_post_settings kept, last; /* what the window shows; amounts of effects that are off, when they were on */
 } engine_effects;
 
@@ -625,7 +626,8 @@ bool engine_watch_draw(const char *text, stilb_ui *ui);
 void engine_clips_draw(stilb_engine *engine, stilb_ui *ui);
 
 /* windows/engine_effects.c: the effects' window. */
-void engine_effects_draw(stilb_engine *engine, stilb_ui *ui);
+/* settings: those of frames. What the user has chosen the next frame takes. */
+void engine_effects_draw(engine_effects *effects, stilb_ui *ui, const stilb_post_settings *settings);
 
 /* windows/engine_lights.c: the lights' window. */
 void engine_lights_draw(stilb_engine *engine, stilb_ui *ui);

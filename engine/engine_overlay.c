@@ -216,7 +216,7 @@ static void engine_overlay_build(stilb_engine *engine)
 	if (overlay->lights.open)
 		engine_lights_draw(engine, overlay->ui);
 	if (overlay->effects.open)
-		engine_effects_draw(engine, overlay->ui);
+		engine_effects_draw(&overlay->effects, overlay->ui, &engine->desc.post);
 	if (overlay->keys.open)
 		engine_keys_draw(&overlay->keys, &engine->actions, overlay->ui);
 	if (overlay->notice.pad_count > 0)

@@ -347,6 +347,9 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 	STILB_ASSERT(report);
 	engine_pictures_tell(engine);
 	engine_watch_tell(engine);
+	if (engine->overlay.effects.changed)
+		stilb_engine_set_post(engine, &engine->overlay.effects.chosen);
+	engine->overlay.effects.changed = false;
 	engine->report = (stilb_engine_report){.frame = engine->frame};
 	stilb_result result = frame_window(engine, &engine->report);
 	if (result == STILB_OK && !engine->report.drawn)

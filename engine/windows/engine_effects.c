@@ -1,6 +1,6 @@
 /*
- * The effects' window: what happens to the light of frames (post.h), each effect on or off and with its numbers, and all
- * of them at once, to compare.
+ * The effects' window: what happens to the light of frames (post.h), each effect on or off and with its numbers, and
+ * all of them at once, to compare.
  */
 #include "engine_internal.h"
 
@@ -142,24 +142,21 @@ static void effects_place(engine_effects *effects, const stilb_ui_style *style, 
 	*place = (stilb_ui_rect){place->x0, place->y0, place->x0 + width, place->y0 + height};
 }
 
-void engine_effects_draw(stilb_engine *engine, stilb_ui *ui)
+void engine_effects_draw(engine_effects *effects, stilb_ui *ui, const stilb_post_settings *settings)
 {
-	engine_effects *effects = &engine->overlay.effects;
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	stilb_post_settings none = {0};
-	stilb_post_settings settings = effects->without ? effects->kept : engine->desc.post;
-	if (effects->without && memcmp(&engine->desc.post, &none, sizeof none) != 0) { /* the program has set others */
+	if (effects->without && memcmp(settings, &none, sizeof none) != 0) /* the program has set some */
 		effects->without = false;
-		settings = engine->desc.post;
-	}
+	if (!effects->without)
+		effects->kept = *settings;
 	effects_place(effects, style, stilb_ui_input_get(ui));
 	stilb_ui_id_push(ui, "effects");
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "Effects", &effects->place, STILB_UI_PANEL_MOVABLE, &effects->open);
 	bool changed = stilb_ui_checkbox(ui, effects_line(style, &area), "Frames without them", &effects->without);
-	effects->kept = settings;
 	changed |= effects_draw_rows(effects, &effects->kept, ui, area);
 	stilb_ui_panel_end(ui);
 	stilb_ui_id_pop(ui);
-	if (changed)
-		stilb_engine_set_post(engine, effects->without ? &none : &effects->kept);
+	effects->chosen = effects->without ? none : effects->kept;
+	effects->changed |= changed;
 }
