@@ -18,6 +18,8 @@
 #define SHADOWS_WORD(id, word, ...) word,
 const char *const stilb_engine_shadow_names[] = {STILB_ENGINE_SHADOW_KINDS(SHADOWS_WORD) NULL};
 const char *const stilb_engine_shadow_faces_names[] = {STILB_ENGINE_SHADOW_FACES(SHADOWS_WORD) NULL};
+const char *const stilb_engine_shadow_bias_names[] = {STILB_ENGINE_SHADOW_BIASES(SHADOWS_WORD) NULL};
+const char *const stilb_engine_shadow_filter_names[] = {STILB_ENGINE_SHADOW_FILTERS(SHADOWS_WORD) NULL};
 
 /* ---- the scene's bounds ------------------------------------------------------------------------------------------ */
 
@@ -178,14 +180,28 @@ stilb_engine_shadows stilb_engine_shadows_used(const stilb_engine *engine)
 	if (desc.size == 0)
 		desc.size = software ? 1024 : 2048;
 	if (desc.samples == 0)
-		desc.samples = 16;
+		desc.samples = desc.filter == STILB_ENGINE_SHADOW_FILTER_COMPARE ? 12 : 16;
 	return desc;
 }
 
 /* Half of the filter's width, texels; 0: it has none. */
 static uint32_t shadows_filter(const stilb_engine_shadows *desc)
 {
+	if (desc->filter == STILB_ENGINE_SHADOW_FILTER_COMPARE) /* the farthest texel that a comparison weighs */
+		return desc->samples >= 12 ? 3 : desc->samples >= 4 ? 2 : 1;
 	return desc->samples >= 36 ? 3 : desc->samples >= 16 ? 2 : desc->samples >= 4 ? 1 : 0;
+}
+
+stilb_render_shadow_reading engine_shadows_reading(const stilb_engine *engine)
+{
+	stilb_engine_shadows desc = stilb_engine_shadows_used(engine);
+	bool all = desc.bias == STILB_ENGINE_SHADOW_BIAS_ALL;
+	return (stilb_render_shadow_reading){
+		.no_plane = !all && desc.bias != STILB_ENGINE_SHADOW_BIAS_PLANE,
+		.no_way = !all && desc.bias != STILB_ENGINE_SHADOW_BIAS_WAY,
+		.taps = desc.filter == STILB_ENGINE_SHADOW_FILTER_COMPARE ? desc.samples : 0,
+		.buffer = desc.kind == STILB_ENGINE_SHADOWS_BUFFER,
+	};
 }
 
 /* A picture that is mirrored shows the other sides of triangles. */
@@ -196,11 +212,13 @@ static void shadows_mirror(stilb_shadow_plan *plan)
 			plan->maps[m].view_projection.m[c] = -plan->maps[m].view_projection.m[c];
 }
 
-stilb_render_view engine_shadows_view(const stilb_render_view *seen, stilb_engine_shadow_faces faces)
+stilb_render_view engine_shadows_view(const stilb_render_view *seen, const stilb_engine_shadows *desc)
 {
+	bool slope = desc->bias == STILB_ENGINE_SHADOW_BIAS_ALL || desc->bias == STILB_ENGINE_SHADOW_BIAS_SLOPE;
 	return (stilb_render_view){
 		.shadow = true,
-		.both_sides = faces == STILB_ENGINE_SHADOW_FACES_BOTH,
+		.shadow_flat = !slope,
+		.both_sides = desc->faces == STILB_ENGINE_SHADOW_FACES_BOTH,
 		.shading = seen->shading,
 		.impostors = seen->impostors,
 		.detail = {STILB_RENDER_DETAIL_POP, SHADOWS_ERROR}, /* of their own, whatever the cameras have */
@@ -212,7 +230,7 @@ stilb_render_view engine_shadows_view(const stilb_render_view *seen, stilb_engin
 static void shadows_view(stilb_engine *engine, uint32_t number, const stilb_shadow_map *map)
 {
 	stilb_render_view *view = &engine->views[number];
-	*view = engine_shadows_view(&engine->views[0], engine->desc.shadows.faces);
+	*view = engine_shadows_view(&engine->views[0], &engine->desc.shadows);
 	view->target = &engine->shadows.target;
 	view->view_projection = map->view_projection;
 	view->layer = map->page;
@@ -309,6 +327,20 @@ static void shadows_tell_left(engine_shadows *shadows, uint32_t pages)
 	          plan->left_out, names, named < plan->left_out ? ", ..." : "", ENGINE_MAX_SHADOWS, pages);
 }
 
+/* Says once that more lights cast shadows than the buffer holds. */
+static void shadows_tell_buffer(engine_shadows *shadows, const stilb_engine_shadows *desc)
+{
+	uint32_t count = 0;
+	if (desc->kind != STILB_ENGINE_SHADOWS_BUFFER || shadows->told_buffer)
+		return;
+	for (uint32_t l = 0; l < shadows->plan.light_count; l++)
+		count += shadows->plan.lights[l].count > 0;
+	shadows->told_buffer = count > STILB_RENDER_SHADOW_BUFFER_LIGHTS;
+	if (shadows->told_buffer)
+		stilb_log("%u lights cast shadows, and a buffer of them holds %u: pixels read the maps", count,
+		          STILB_RENDER_SHADOW_BUFFER_LIGHTS);
+}
+
 /* Says once what cameras beside the scene's own see of suns' shadows. */
 static void shadows_tell_cameras(stilb_engine *engine)
 {
@@ -352,6 +384,7 @@ stilb_result engine_shadows_frame(stilb_engine *engine)
 	stilb_result result = stilb_shadow_plan_make(&shadows->plan, &plan, &view, seen->lights, seen->light_count);
 	shadows_tell_left(shadows, plan.pages);
 	shadows_tell_cameras(engine);
+	shadows_tell_buffer(shadows, &desc);
 	if (result != STILB_OK || shadows->plan.map_count == 0) {
 		shadows->valid = false;
 		return result == STILB_OK ? shadows_hand_on_none(engine) : result;
@@ -401,7 +434,7 @@ void engine_shadows_drawn(stilb_engine *engine)
 
 void engine_shadows_forget(engine_shadows *shadows)
 {
-	shadows->valid = shadows->told = shadows->told_cameras = false;
+	shadows->valid = shadows->told = shadows->told_cameras = shadows->told_buffer = false;
 	shadows->scene = NULL;
 	shadows->bounds = (stilb_sphere){0};
 }

@@ -34,6 +34,7 @@ typedef struct picture_flags {
 	int ambient;                       /* a stilb_render_ambient */
 	int shadows;                       /* a stilb_engine_shadow_kind */
 	int shadow_faces;                  /* a stilb_engine_shadow_faces */
+	int shadow_bias, shadow_filter;    /* a stilb_engine_shadow_bias, _filter */
 	uint64_t cascades, cascade_size;   /* 0 if not given */
 	uint64_t shadow_samples;
 	float shadow_distance;                       /* metres */

@@ -33,7 +33,9 @@ bool stilb_render_lighting_is_of_one_sample(stilb_render_lighting way)
 
 render_way render_view_way(const render_device *device, const stilb_render_view *view)
 {
-	return device->samples == 1 && render_view_is_lit(view) ? ways[view->lighting] : (render_way){0};
+	render_way way = device->samples == 1 && render_view_is_lit(view) ? ways[view->lighting] : (render_way){0};
+	way.laid |= !way.surfaces && render_view_has_buffer(device, view);
+	return way;
 }
 
 render_tiles render_view_tiles(const render_device *device, const stilb_render_view *view)

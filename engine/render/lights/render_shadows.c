@@ -119,6 +119,59 @@ static bool shadows_are_sound(const stilb_render_shadows *shadows)
 	return sound;
 }
 
+/* ---- how they are read ------------------------------------------------------------------------------------------- */
+
+uint32_t render_shadow_bits(const stilb_render_view *view)
+{
+	const stilb_render_shadow_reading *reading = &view->shadow_reading;
+	if (render_view_is_depth(view))
+		return view->shadow_flat ? RENDER_SHADOW_FLAT : 0;
+	return (view->show == STILB_RENDER_SHOW_CASCADES ? RENDER_SHADOW_CASCADES : 0) |
+	       (view->show == STILB_RENDER_SHOW_ACNE ? RENDER_SHADOW_ACNE : 0) |
+	       (reading->no_plane ? RENDER_SHADOW_NO_PLANE : 0) | (reading->no_way ? RENDER_SHADOW_NO_WAY : 0) |
+	       RENDER_SHADOW_TAPS * reading->taps;
+}
+
+/* Lights of the view that have maps. */
+static uint32_t shadows_count(const stilb_render_view *view)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < view->light_count; i++)
+		count += view->shadows->lights[i].map_count > 0;
+	return count;
+}
+
+bool render_view_has_buffer(const render_device *device, const stilb_render_view *view)
+{
+	bool shown = view->show == STILB_RENDER_SHOW_CASCADES || view->show == STILB_RENDER_SHOW_ACNE;
+	return view->shadow_reading.buffer && view->shadows && device->samples == 1 && render_view_is_lit(view) &&
+	       !render_view_counts(view) && !shown;
+}
+
+stilb_result render_shadows_list(stilb_render *render, const stilb_render_view *view, render_light *out,
+                                 render_view_lights *lights)
+{
+	uint32_t count = render_view_has_buffer(render->device, view) ? shadows_count(view) : 0, place = 0;
+	if (count == 0 || count > STILB_RENDER_SHADOW_BUFFER_LIGHTS)
+		return STILB_OK;
+	uint32_t layers = (count + RENDER_SHADOW_LAYER - 1) / RENDER_SHADOW_LAYER;
+	uint32_t *list = render_claim(render, RENDER_MEMORY_LIGHT_LISTS, layers, &lights->term_list);
+	if (!list)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of %u shadowed lights", count);
+	for (int lamps = 0; lamps < 2; lamps++)
+		for (uint32_t i = 0; i < lights->count; i++) {
+			uint32_t kind = (uint32_t)out[i].kind;
+			if (kind < RENDER_LIGHT_SHADOW || (kind % 8 != STILB_SCENE_LIGHT_DIRECTIONAL) != (bool)lamps)
+				continue;
+			list[place++] = i;
+			out[i].kind += (float)(RENDER_LIGHT_PLACE * place);
+		}
+	lights->terms = place;
+	return STILB_OK;
+}
+
+/* ---- a frame ----------------------------------------------------------------------------------------------------- */
+
 stilb_result render_shadows_place(stilb_render *render, const stilb_render_view *view, render_view_lights *lights)
 {
 	const stilb_render_shadows *shadows = view->shadows;
