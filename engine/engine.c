@@ -167,6 +167,7 @@ static void shadows_assert(const stilb_engine_shadows *shadows)
 	STILB_ASSERT(shadows->cascades <= STILB_SHADOW_MAX_CASCADES);
 	STILB_ASSERT(size == 0 || (size >= STILB_SHADOW_MIN_SIZE && size <= 8192 && (size & (size - 1)) == 0));
 	STILB_ASSERT(shadows->distance >= 0.0f && isfinite(shadows->distance));
+	STILB_ASSERT(!shadows->objects || shadows->distance > 0.0f);
 	bool gathers = shadows->filter == STILB_ENGINE_SHADOW_FILTER_GATHER;
 	STILB_ASSERT((unsigned)shadows->filter < STILB_ENGINE_SHADOW_FILTER_COUNT);
 	STILB_ASSERT((unsigned)shadows->bias < STILB_ENGINE_SHADOW_BIAS_COUNT);

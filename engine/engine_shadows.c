@@ -12,6 +12,7 @@
 #define SHADOWS_NAMED 8u   /* lights without shadows that a line names */
 #define SHADOWS_ERROR 0.5f /* texels by which levels of meshes may be off in maps */
 #define SHADOWS_ROOM 1.1f /* of the bounds' radius: what moves stays within for a while, and maps stay where they are */
+#define SHADOWS_OBJECT 0.25f /* of the distance: a model's radius at most, of which a map of near things is */
 #define SHADOWS_PAGES 64u
 #define SHADOWS_BYTES (512u << 20) /* of all pages together, at most */
 
@@ -57,6 +58,30 @@ static bool shadows_bounds(engine_shadows *shadows, const stilb_scene *scene)
 	if (!holds)
 		*kept = (stilb_sphere){now.x, now.y, now.z, now.radius * SHADOWS_ROOM};
 	return true;
+}
+
+/* A sphere around the models near the camera that a map of near things is for; radius 0: there is none. */
+static stilb_sphere shadows_near(const stilb_scene *scene, const float eye[3], float distance)
+{
+	const stilb_scene_bounds *bounds = &scene->bounds;
+	float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half[3], most = 0.0f;
+	for (uint32_t i = 0; i < scene->model_count; i++) {
+		const float center[3] = {bounds->x[i], bounds->y[i], bounds->z[i]}, radius = bounds->radius[i];
+		float away = hypotf(hypotf(center[0] - eye[0], center[1] - eye[1]), center[2] - eye[2]);
+		if (!(away <= distance) || !(radius <= SHADOWS_OBJECT * distance)) /* or NaN */
+			continue;
+		for (int c = 0; c < 3; c++) {
+			low[c] = fminf(low[c], center[c] - radius);
+			high[c] = fmaxf(high[c], center[c] + radius);
+		}
+	}
+	if (!(low[0] <= high[0]))
+		return (stilb_sphere){0};
+	for (int c = 0; c < 3; c++) {
+		half[c] = 0.5f * (high[c] - low[c]);
+		most += half[c] * half[c];
+	}
+	return (stilb_sphere){low[0] + half[0], low[1] + half[1], low[2] + half[2], sqrtf(most)};
 }
 
 /* ---- maps that stay ---------------------------------------------------------------------------------------------- */
@@ -175,6 +200,8 @@ stilb_engine_shadows stilb_engine_shadows_used(const stilb_engine *engine)
 	STILB_ASSERT_OWNER(engine->owner);
 	stilb_engine_shadows desc = engine->desc.shadows;
 	bool software = stilb_render_device_is_software(engine->render);
+	if (desc.objects)
+		desc.cascades = 1;
 	if (desc.cascades == 0)
 		desc.cascades = software ? 2 : 4;
 	if (desc.size == 0)
@@ -373,6 +400,7 @@ stilb_result engine_shadows_frame(stilb_engine *engine)
 	                          .maps = ENGINE_MAX_SHADOWS,
 	                          .cascades = desc.cascades,
 	                          .distance = desc.distance,
+	                          .objects = desc.objects,
 	                          .filter = shadows_filter(&desc) > 0 ? shadows_filter(&desc) : 1,
 	                          .fade = fmaxf(SHADOWS_FADE, 2.0f * seen->light_fade),
 	                          .keep = true};
@@ -381,6 +409,8 @@ stilb_result engine_shadows_frame(stilb_engine *engine)
 	                          .bounds = shadows->bounds,
 	                          .others = engine->camera_count > 0};
 	memcpy(view.camera_position, seen->camera_position, sizeof view.camera_position);
+	if (desc.objects)
+		view.near = shadows_near(engine->scene, seen->camera_position, desc.distance);
 	stilb_result result = stilb_shadow_plan_make(&shadows->plan, &plan, &view, seen->lights, seen->light_count);
 	shadows_tell_left(shadows, plan.pages);
 	shadows_tell_cameras(engine);

@@ -88,6 +88,8 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	     "a shadow map's side, a power of two, 64..8192 (2048 on a GPU, 1024 in software)", 64, 8192, NULL},
 		{"--shadow-distance", FLAG_AMOUNT, &p->shadow_distance, "METRES",
 	     "where shadows of suns have faded out; 0: nowhere (0)", 0, 1000000000, NULL},
+		{"--shadow-objects", FLAG_SWITCH, &p->shadow_objects, NULL,
+	     "a sun has one map, around what is small and nearer than --shadow-distance", 0, 0, NULL},
 		{"--shadow-filter", FLAG_CHOICE, &p->shadow_filter, "gather|compare",
 	     "how maps are read: all texels of a square, or few comparisons (gather)", 0, 0,
 	     stilb_engine_shadow_filter_names},
@@ -401,6 +403,10 @@ static bool picture_check_shadows(const picture_flags *p)
 	}
 	if (p->cascade_size & (p->cascade_size - 1)) {
 		stilb_log("--cascade-size: %" PRIu64 " is not a power of two; give 512, 1024, 2048, ...", p->cascade_size);
+		return false;
+	}
+	if (p->shadow_objects && (!(p->shadow_distance > 0.0f) || p->cascades > 1)) {
+		stilb_log("--shadow-objects has one map that ends somewhere; give --shadow-distance, and leave out --cascades");
 		return false;
 	}
 	if (p->shadows != STILB_ENGINE_SHADOWS_BUFFER)

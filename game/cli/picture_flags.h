@@ -37,6 +37,7 @@ typedef struct picture_flags {
 	int shadow_bias, shadow_filter;    /* a stilb_engine_shadow_bias, _filter */
 	uint64_t cascades, cascade_size;   /* 0 if not given */
 	uint64_t shadow_samples;
+	bool shadow_objects;
 	float shadow_distance;                       /* metres */
 	uint64_t samples;                            /* 0 if not given */
 	uint64_t max_anisotropy;                     /* 0 if not given */
