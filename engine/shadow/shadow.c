@@ -222,7 +222,8 @@ static bool desc_is_sound(const stilb_shadow_desc *desc)
 	return desc->page >= STILB_SHADOW_MIN_SIZE && desc->page <= 8192 && (desc->page & (desc->page - 1)) == 0 &&
 	       desc->pages >= 1 && desc->pages <= STILB_SHADOW_MAX_PAGES && desc->maps >= 1 && desc->cascades >= 1 &&
 	       desc->cascades <= STILB_SHADOW_MAX_CASCADES && desc->distance >= 0.0f && isfinite(desc->distance) &&
-	       (!desc->objects || (desc->cascades == 1 && desc->distance > 0.0f)) && desc->fade >= 0.0f && isfinite(desc->fade) && desc->filter >= 1 && desc->filter <= 3;
+	       (!desc->objects || (desc->cascades == 1 && desc->distance > 0.0f)) && desc->fade >= 0.0f &&
+	       isfinite(desc->fade) && desc->filter >= 1 && desc->filter <= 3;
 }
 
 stilb_result stilb_shadow_plan_make(stilb_shadow_plan *plan, const stilb_shadow_desc *desc,

@@ -8,7 +8,7 @@
 #define SUN_SPLIT 0.8 /* with a distance: from equal lengths, 0, to equal factors, 1 */
 #define SUN_NEAR 0.01 /* of the distance: where cascades by equal factors begin */
 
-#define SUN_GROWS 1.25 /* a map of near things by this factor */
+#define SUN_GROWS 1.25  /* a map of near things by this factor */
 #define SUN_BESIDE 0.05 /* of a sphere's radius: so far beside what is seen casters are drawn, too */
 
 typedef struct sun_sphere {

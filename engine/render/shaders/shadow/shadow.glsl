@@ -234,19 +234,21 @@ float shadow_beyond()
 	return 1.0;
 }
 
-// A colour for each cascade.
+// A colour for each cascade: red, green, blue, yellow, violet, cyan, orange, grey.
 vec3 shadow_color_of(uint cascade)
 {
-	const vec3 colors[8] =
-		vec3[8](vec3(1.0, 0.25, 0.2), vec3(0.3, 0.9, 0.25), vec3(0.3, 0.45, 1.0), vec3(0.95, 0.85, 0.2),
-	            vec3(0.9, 0.3, 0.9), vec3(0.25, 0.85, 0.9), vec3(1.0, 0.55, 0.15), vec3(0.9));
-	return colors[cascade & 7u];
+	vec3 first = cascade == 0u ? vec3(1.0, 0.25, 0.2) : cascade == 1u ? vec3(0.3, 0.9, 0.25) : vec3(0.3, 0.45, 1.0);
+	vec3 next = cascade == 3u ? vec3(0.95, 0.85, 0.2) : cascade == 4u ? vec3(0.9, 0.3, 0.9) : vec3(0.25, 0.85, 0.9);
+	vec3 last = cascade == 6u ? vec3(1.0, 0.55, 0.15) : vec3(0.9);
+	return cascade < 3u ? first : cascade < 6u ? next : last;
 }
 
 // The same of a light far away, whose maps fill their layers.
 float shadow_of_sun(uint first, vec3 toward, vec3 one, vec3 other)
 {
 	float open = 0.0, left = 1.0, away = distance(world_position, push.view.camera_position.xyz);
+	vec3 tint = vec3(0.0);
+	vec2 judged = vec2(0.0);
 	vec4 area = vec4(vec2(0.0), vec2(textureSize(shadow_maps, 0).xy));
 	for (uint i = first;; i++) {
 		ShadowMap map = push.view.rest.shadows.maps[i];
@@ -263,17 +265,18 @@ float shadow_of_sun(uint first, vec3 toward, vec3 one, vec3 other)
 		float inner = min(min(edge.x, edge.y), before), blend = map.rest.y;
 		float here = blend > 0.0 ? clamp(inner / blend, 0.0, 1.0) : step(0.0, inner);
 		at.z = shadow_depth(at.z, dot(map.rows[2], vec4(world_position, 1.0)));
-		vec2 judged = shadow_judged;
 		shadow_judged = vec2(0.0);
-		if (here > 0.0)
+		if (here > 0.0) { // outside of it Mesa's lavapipe (22.3) loses sums of pixels that have left the loop
 			open += left * here * shadow_filtered(map, at, shadow_slope(a, b));
-		shadow_tint += left * here * shadow_color_of(i - first);
-		shadow_judged = judged + left * here * shadow_judged;
+			tint += left * here * shadow_color_of(i - first);
+			judged += left * here * shadow_judged;
+		}
 		left *= 1.0 - here;
 		if (map.rest.z <= 1.0 || left <= 0.0)
 			break;
 	}
-	shadow_tint += left * vec3(0.7);
+	shadow_tint = tint + left * vec3(0.7);
+	shadow_judged = judged;
 	return open + left * shadow_beyond();
 }
 
@@ -298,8 +301,8 @@ float shadow_open(uint shadow, bool directional, vec3 position, vec3 toward, vec
 	return shadow_of_lamp(push.view.rest.shadows.maps[first], toward, one, other);
 }
 
-// By what a light of the view is multiplied, which light_of was asked for last: the share that arrives, or what is shown
-// in its place. directional, ...: as shadow_open has them.
+// By what a light of the view is multiplied, which light_of was asked for last: the share that arrives, or what is
+// shown in its place. directional, ...: as shadow_open has them.
 vec3 shadow_factor(bool directional, vec3 position, vec3 toward, vec3 n)
 {
 	if (shadow_buffered) {
