@@ -237,8 +237,9 @@ typedef struct stilb_engine_shadows {
 	uint32_t cascades; /* maps of each directional light, 1..8; 0: 4, on a software device 2 */
 	uint32_t size;     /* texels of such a map's side, and the most of a lamp's: a power of two, 64..8192; 0: 2048, on a
 	                      software device 1024 */
-	/* A directional light has one map, around models within `distance`, which must be above 0, whose radius is at most a
-	 * quarter of it: finer than cascades, as long as little is near. Others cast nothing. cascades is not read. */
+	/* A directional light has one map, around models within `distance`, which must be above 0, whose radius is at most
+	 * a quarter of it: finer than cascades, as long as little is near. What lies outside of it casts no shadow.
+	 * cascades is not read. */
 	bool objects;
 	float distance; /* of directional lights: metres from the camera where shadows have faded out, >= 0; 0: nowhere */
 	stilb_engine_shadow_faces faces;

@@ -9,8 +9,8 @@
  *            moves by whole texels: so a point that stands still is drawn into the same place of a texel, whatever the
  *            camera does. It ends at a distance from the camera that the sphere holds; its depth ends below the sphere.
  * Objects    With `objects` a directional light has one map, around some things near the camera and nothing else
- *            (stilb_shadow_view.near). Whatever they throw shadows on gets them, as the map's sides lie along the light; along
- *            its sides, and where `distance` ends, shadows fade. The sphere grows by steps of a quarter.
+ *            (stilb_shadow_view.near). Whatever they throw shadows on gets them, as the map's sides lie along the
+ *            light; along its sides, and where `distance` ends, shadows fade. The sphere grows by steps of a quarter.
  * Casters    Of the maps that follow the camera are those models that may throw a shadow on what it sees.
  * Lamps      A spot has one map, unless its cone is wider than 120 degrees; other lamps have six, of a cube's sides. A
  *            map has as many texels as the lamp's reach has pixels in the picture, to the next power of two. What does

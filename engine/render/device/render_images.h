@@ -72,8 +72,8 @@
 #define STILB_RENDER_IMAGE_SHADOW "shadow"
 #define STILB_RENDER_IMAGE_NO_SHADOWS "no shadows"
 
-/* Of views whose shadow_reading has a buffer, one sample a pixel: the square roots of the shares of shadowed lights that
- * arrive, four lights in each layer: directional ones first, then the others, both in the view's order. rgba8_u,
+/* Of views whose shadow_reading has a buffer, one sample a pixel: the square roots of the shares of shadowed lights
+ * that arrive, four lights in each layer: directional ones first, then the others, both in the view's order. rgba8_u,
  * layers; of a target with another name NAME " shadow buffer". Of what can be lit later or in several passes; it holds
  * anything where none of that is. */
 #define STILB_RENDER_IMAGE_SHADOW_BUFFER "shadow buffer"
