@@ -616,6 +616,14 @@ bool render_view_is_apart(const render_device *device, const stilb_render_view *
 /* The bits of programs that draw it; and as light_bits, of what draws all other light. */
 uint32_t render_around_bits(uint32_t light_bits);
 uint32_t render_unlit_around_bits(uint32_t light_bits);
+/* RENDER_SHADOW_... of programs that draw a view's surfaces and read maps, or that draw maps. */
+uint32_t render_shadow_bits(const stilb_render_view *view);
+/* True if the view's shadows are read from a buffer, if it has no more lights than that holds. */
+bool render_view_has_buffer(const render_device *device, const stilb_render_view *view);
+/* RENDER_SHADOW_... of programs that draw that. */
+uint32_t render_terms_shadow_bits(const render_device *device, uint32_t shadow_bits);
+/* Bits of these programs. */
+uint32_t render_terms_bits(uint32_t light_bits);
 
 /* ---- device/render_deferred.c ---- */
 
@@ -640,20 +648,14 @@ static inline float render_view_pixels(const stilb_render_view *view, uint32_t h
 /* Writes the maps of the view's lights, if any has some, to the frame's memory, before it is placed. */
 stilb_result render_shadows_place(stilb_render *render, const stilb_render_view *view, render_view_lights *lights);
 
-/* RENDER_SHADOW_... of programs that draw a view's surfaces and read maps, or that draw maps. */
-uint32_t render_shadow_bits(const stilb_render_view *view);
-/* True if the view's shadows are read from a buffer, if it has no more lights than that holds. */
-bool render_view_has_buffer(const render_device *device, const stilb_render_view *view);
+/* ---- lights/render_shadows.c ---- */
+
 /* Gives the view's lights out[0 .. lights->count - 1] that have maps their places in it, and writes the list. */
 stilb_result render_shadows_list(stilb_render *render, const stilb_render_view *view, render_light *out,
                                  render_view_lights *lights);
 
 /* ---- device/render_shadow.c ---- */
 
-/* RENDER_SHADOW_... of programs that draw the buffer. */
-uint32_t render_terms_shadow_bits(const render_device *device, uint32_t shadow_bits);
-/* Bits of these programs. */
-uint32_t render_terms_bits(uint32_t light_bits);
 /* Adds the images that a row reads which draws it, and, `layer` of it, what it draws into. */
 stilb_result render_terms_attach(render_device *device, const struct render_stream *stream, render_frame_target *target,
                                  uint16_t layer, stilb_gpu_pass *row);

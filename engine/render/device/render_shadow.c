@@ -59,19 +59,6 @@ static uint16_t terms_layers(const render_stream *stream)
 	return (uint16_t)((stream->lights.terms + RENDER_SHADOW_LAYER - 1) / RENDER_SHADOW_LAYER);
 }
 
-uint32_t render_terms_bits(uint32_t light_bits)
-{
-	uint32_t read =
-		((1u << STILB_SCENE_LIGHT_KINDS) - 1) | RENDER_LIGHTS_END | RENDER_LIGHTS_SIDES | RENDER_LIGHTS_SHADOWS;
-	return (light_bits & read) | RENDER_LIGHTS_LAID;
-}
-
-uint32_t render_terms_shadow_bits(const render_device *device, uint32_t shadow_bits)
-{
-	bool mask = device->frame.begun && stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_MASK) != 0;
-	return shadow_bits | RENDER_SHADOW_TERMS | (mask ? RENDER_SHADOW_MASK : 0);
-}
-
 stilb_result render_terms_attach(render_device *device, const render_stream *stream, render_frame_target *target,
                                  uint16_t layer, stilb_gpu_pass *row)
 {

@@ -119,18 +119,7 @@ static bool shadows_are_sound(const stilb_render_shadows *shadows)
 	return sound;
 }
 
-/* ---- how they are read ------------------------------------------------------------------------------------------- */
-
-uint32_t render_shadow_bits(const stilb_render_view *view)
-{
-	const stilb_render_shadow_reading *reading = &view->shadow_reading;
-	if (render_view_is_depth(view))
-		return view->shadow_flat ? RENDER_SHADOW_FLAT : 0;
-	return (view->show == STILB_RENDER_SHOW_CASCADES ? RENDER_SHADOW_CASCADES : 0) |
-	       (view->show == STILB_RENDER_SHOW_ACNE ? RENDER_SHADOW_ACNE : 0) |
-	       (reading->no_plane ? RENDER_SHADOW_NO_PLANE : 0) | (reading->no_way ? RENDER_SHADOW_NO_WAY : 0) |
-	       RENDER_SHADOW_TAPS * reading->taps;
-}
+/* ---- places in the buffer ---------------------------------------------------------------------------------------- */
 
 /* Lights of the view that have maps. */
 static uint32_t shadows_count(const stilb_render_view *view)
@@ -139,13 +128,6 @@ static uint32_t shadows_count(const stilb_render_view *view)
 	for (uint32_t i = 0; i < view->light_count; i++)
 		count += view->shadows->lights[i].map_count > 0;
 	return count;
-}
-
-bool render_view_has_buffer(const render_device *device, const stilb_render_view *view)
-{
-	bool shown = view->show == STILB_RENDER_SHOW_CASCADES || view->show == STILB_RENDER_SHOW_ACNE;
-	return view->shadow_reading.buffer && view->shadows && device->samples == 1 && render_view_is_lit(view) &&
-	       !render_view_counts(view) && !shown;
 }
 
 stilb_result render_shadows_list(stilb_render *render, const stilb_render_view *view, render_light *out,
