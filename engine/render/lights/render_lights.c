@@ -520,13 +520,13 @@ stilb_result render_lights_place(stilb_render *render, const stilb_render_pass *
 		const render_panorama *panorama = render_view_panorama(render, view);
 		uint32_t bits = render_light_bits(view, panorama, render_view_lamps(view, panorama));
 		placed[p].bits = bits;
+		placed[p].shadow_bits = render_shadow_bits(view);
 		if (!render_view_is_lit(view))
 			continue;
 		result = render_shadows_place(render, view, &placed[p]);
 		if (result != STILB_OK)
 			break;
-		uint32_t shadows = placed[p].shadows, shadow_bits = render_shadow_bits(view);
-		placed[p].shadow_bits = shadow_bits;
+		uint32_t shadows = placed[p].shadows, shadow_bits = placed[p].shadow_bits;
 		if (bits & RENDER_LIGHTS_LISTS)
 			result = lights_place_lists(render, view, panorama, p, &placed[p], pool, worker);
 		/* A view that cannot be cut into cells shows nothing, or a plane: asking all lights is as well. */
