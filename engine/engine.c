@@ -95,7 +95,8 @@ void stilb_engine_set_faults(const stilb_render_faults *faults)
 /* True if frames with several samples a pixel would lack something that is asked for. */
 static bool engine_is_of_one_sample(const stilb_engine_desc *desc)
 {
-	return stilb_render_lighting_is_of_one_sample(desc->lighting) || desc->ambient_apart || desc->post.occlusion > 0.0f;
+	return stilb_render_lighting_is_of_one_sample(desc->lighting) || desc->ambient_apart ||
+	       desc->post.occlusion > 0.0f || desc->shadows.kind == STILB_ENGINE_SHADOWS_BUFFER;
 }
 
 static stilb_result engine_create_render(stilb_engine *engine)
@@ -166,7 +167,12 @@ static void shadows_assert(const stilb_engine_shadows *shadows)
 	STILB_ASSERT(shadows->cascades <= STILB_SHADOW_MAX_CASCADES);
 	STILB_ASSERT(size == 0 || (size >= STILB_SHADOW_MIN_SIZE && size <= 8192 && (size & (size - 1)) == 0));
 	STILB_ASSERT(shadows->distance >= 0.0f && isfinite(shadows->distance));
-	STILB_ASSERT(samples == 0 || samples == 1 || samples == 4 || samples == 16 || samples == 36);
+	STILB_ASSERT(!shadows->objects || shadows->distance > 0.0f);
+	bool gathers = shadows->filter == STILB_ENGINE_SHADOW_FILTER_GATHER;
+	STILB_ASSERT((unsigned)shadows->filter < STILB_ENGINE_SHADOW_FILTER_COUNT);
+	STILB_ASSERT((unsigned)shadows->bias < STILB_ENGINE_SHADOW_BIAS_COUNT);
+	STILB_ASSERT(samples == 0 || samples == 1 || samples == 4 ||
+	             (gathers ? samples == 16 || samples == 36 : samples == 12));
 }
 
 stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **out)
@@ -193,6 +199,9 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 		return stilb_fail(STILB_ERROR_ARGUMENT, "%s has one sample a pixel, and %u are asked for",
 		                  desc->ambient_apart ? "light of the surroundings apart (ambient_apart)"
 		                                      : "ambient occlusion (post.occlusion)",
+		                  desc->samples);
+	if (desc->shadows.kind == STILB_ENGINE_SHADOWS_BUFFER && desc->samples > 1)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "a buffer of shadows has one sample a pixel, and %u are asked for",
 		                  desc->samples);
 	stilb_engine *engine = calloc(1, sizeof *engine);
 	if (!engine)

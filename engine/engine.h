@@ -171,7 +171,8 @@ typedef enum stilb_engine_textures {
 /* How lights are kept from surfaces by others in front of them. */
 #define STILB_ENGINE_SHADOW_KINDS(X)                                                                                   \
 	X(OFF, "off", "every light shines through everything")                                                             \
-	X(MAP, "map", "what a light sees is drawn into maps, by which surfaces are lit")
+	X(MAP, "map", "what a light sees is drawn into maps, by which surfaces are lit")                                   \
+	X(BUFFER, "buffer", "maps, read into an image of each light's shares before surfaces are lit")
 
 #define STILB_ENGINE_SHADOW_ENUM(id, ...) STILB_ENGINE_SHADOWS_##id,
 typedef enum stilb_engine_shadow_kind {
@@ -197,15 +198,57 @@ typedef enum stilb_engine_shadow_faces {
 /* Their identifiers, NULL-terminated; the index is the stilb_engine_shadow_faces. */
 extern const char *const stilb_engine_shadow_faces_names[];
 
+/* What keeps surfaces from shading themselves: X(identifier, name, what it does). ALL is what each of the others is a
+ * part of; these are there to see what for. */
+#define STILB_ENGINE_SHADOW_BIASES(X)                                                                                  \
+	X(ALL, "all", "slope, plane and way")                                                                              \
+	X(SLOPE, "slope", "maps are drawn as much farther from the light as depth changes by from a texel to the next")    \
+	X(PLANE, "plane", "texels are compared with the plane of the point, not with its depth")                           \
+	X(WAY, "way", "points are moved towards the light, by a part of the filter's width")                               \
+	X(NONE, "none", "nothing")
+
+#define STILB_ENGINE_SHADOW_BIAS_ENUM(id, ...) STILB_ENGINE_SHADOW_BIAS_##id,
+typedef enum stilb_engine_shadow_bias {
+	STILB_ENGINE_SHADOW_BIASES(STILB_ENGINE_SHADOW_BIAS_ENUM) STILB_ENGINE_SHADOW_BIAS_COUNT
+} stilb_engine_shadow_bias;
+#undef STILB_ENGINE_SHADOW_BIAS_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_engine_shadow_bias. */
+extern const char *const stilb_engine_shadow_bias_names[];
+
+/* How maps are read: X(identifier, name, what it does). */
+#define STILB_ENGINE_SHADOW_FILTERS(X)                                                                                 \
+	X(GATHER, "gather", "all texels of a square, by a cosine's weights: 1, 4, 16 or 36")                               \
+	X(COMPARE, "compare", "few comparisons, in a pattern that alternates from pixel to pixel: 1, 4 or 12")
+
+#define STILB_ENGINE_SHADOW_FILTER_ENUM(id, ...) STILB_ENGINE_SHADOW_FILTER_##id,
+typedef enum stilb_engine_shadow_filter {
+	STILB_ENGINE_SHADOW_FILTERS(STILB_ENGINE_SHADOW_FILTER_ENUM) STILB_ENGINE_SHADOW_FILTER_COUNT
+} stilb_engine_shadow_filter;
+#undef STILB_ENGINE_SHADOW_FILTER_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_engine_shadow_filter. */
+extern const char *const stilb_engine_shadow_filter_names[];
+
 /* Shadows of frames. Not of rays: those have their own. */
 typedef struct stilb_engine_shadows {
+	/* BUFFER is of one sample a pixel: samples 0 is 1 then, and more are refused. In frames in which more lights cast
+	 * shadows than it holds (STILB_RENDER_SHADOW_BUFFER_LIGHTS) maps are read, which a line says once. */
 	stilb_engine_shadow_kind kind;
 	uint32_t cascades; /* maps of each directional light, 1..8; 0: 4, on a software device 2 */
 	uint32_t size;     /* texels of such a map's side, and the most of a lamp's: a power of two, 64..8192; 0: 2048, on a
 	                      software device 1024 */
+	/* A directional light has one map, around models within `distance`, which must be above 0, whose radius is at most
+	 * a quarter of it: finer than cascades, as long as little is near. What lies outside of it casts no shadow.
+	 * cascades is not read. */
+	bool objects;
 	float distance; /* of directional lights: metres from the camera where shadows have faded out, >= 0; 0: nowhere */
 	stilb_engine_shadow_faces faces;
-	uint32_t samples; /* texels of a map that a pixel asks: 1, 4, 16, 36; 0: 16 */
+	/* Texels of a map that a pixel asks: 1, 4, 16, 36; with COMPARE comparisons, of four texels each: 1, 4, 12. 0: 16,
+	 * or 12 comparisons. */
+	uint32_t samples;
+	stilb_engine_shadow_bias bias;
+	stilb_engine_shadow_filter filter;
 } stilb_engine_shadows;
 
 typedef struct stilb_engine_desc {

@@ -134,6 +134,8 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 		view->exposure = camera->exposure;
 		view->tone = camera->tone;
 	}
+	if (view->show == STILB_RENDER_SHOW_CASCADES || view->show == STILB_RENDER_SHOW_ACNE)
+		view->ambient = STILB_RENDER_AMBIENT_NONE; /* they colour the light of lights */
 	bool error = number == 0 && engine->frame_formulas.error;
 	if (view->show == STILB_RENDER_SHOW_ERROR && !error) /* of other cameras, and until its programs are there */
 		view->show = STILB_RENDER_SHOW_SHADED;

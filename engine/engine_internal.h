@@ -220,6 +220,7 @@ typedef struct engine_shadows {
 	stilb_render_shadow_map *maps;
 	stilb_render_shadow *lights;
 	bool told, told_cameras; /* that lights have none; what cameras beside see */
+	bool told_buffer;        /* that lights are too many for the buffer */
 	/* What the maps of the frame before show: of the scene as it was then. */
 	bool valid, loading;
 	uint64_t impostors_removed;
@@ -342,7 +343,9 @@ bool engine_cameras_own(const stilb_engine *engine, double *x, double *y, uint32
 /* engine_shadows.c */
 
 /* What views of maps share, for a camera's view. */
-stilb_render_view engine_shadows_view(const stilb_render_view *seen, stilb_engine_shadow_faces faces);
+stilb_render_view engine_shadows_view(const stilb_render_view *seen, const stilb_engine_shadows *desc);
+/* How views of cameras read them. */
+stilb_render_shadow_reading engine_shadows_reading(const stilb_engine *engine);
 /* Adds the views and passes of shadow maps to those of this frame's cameras. STILB_ERROR_MEMORY. */
 stilb_result engine_shadows_frame(stilb_engine *engine);
 /* Takes those out of what the view of a map sees that throw no shadow on what the cameras see. */

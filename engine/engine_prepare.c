@@ -16,9 +16,9 @@
 
 struct engine_prepare {
 	stilb_render *render;
-	const stilb_scene *scene;        /* NULL: only pipelines */
-	stilb_render_view view;          /* whose pipelines are made; its lights are the scene's, or the copy */
-	stilb_engine_shadow_faces faces; /* of its shadow maps */
+	const stilb_scene *scene;     /* NULL: only pipelines */
+	stilb_render_view view;       /* whose pipelines are made; its lights are the scene's, or the copy */
+	stilb_engine_shadows shadows; /* how its maps are drawn */
 	stilb_scene_light *lights;
 	pthread_t thread;
 	_Atomic int speed;  /* stilb_render_speed, set by the main thread; relaxed: nothing else depends on it */
@@ -53,7 +53,7 @@ static stilb_result prepare_views(const engine_prepare *prepare)
 	if (result != STILB_OK || !prepare->view.shadows)
 		return result;
 	stilb_render_target target = {.kind = STILB_RENDER_TARGET_DEPTH};
-	stilb_render_view map = engine_shadows_view(&prepare->view, prepare->faces);
+	stilb_render_view map = engine_shadows_view(&prepare->view, &prepare->shadows);
 	map.target = &target;
 	return stilb_render_prepare_view(prepare->render, &map);
 }
@@ -99,7 +99,7 @@ static stilb_result prepare_start(stilb_engine *engine, const stilb_scene *scene
 	}
 	prepare->render = engine->render;
 	prepare->scene = scene;
-	prepare->faces = engine->desc.shadows.faces;
+	prepare->shadows = engine->desc.shadows;
 	prepare->view = *view;
 	for (uint32_t i = 0; i < view->light_count; i++)
 		lights[i] = view->lights[i]; /* the program may change its own meanwhile */
@@ -153,6 +153,7 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.light_tolerance = engine->desc.light_tolerance,
 		.light_fade = engine->desc.light_fade,
 		.ambient = engine->desc.ambient,
+		.shadow_reading = engine_shadows_reading(engine),
 		.ambient_apart = engine->desc.ambient_apart || engine->shows_ambient || engine->desc.post.occlusion > 0.0f,
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
@@ -184,7 +185,7 @@ void engine_reference_view(stilb_render_view *view)
 	view->lighting = few ? STILB_RENDER_LIGHTING_FORWARD : STILB_RENDER_LIGHTING_CLUSTERED;
 	view->light_lists = STILB_RENDER_LIGHT_LISTS_JOBS;
 	view->light_tolerance = 0.0f;
-	view->ambient_apart = view->surfaces = false;
+	view->ambient_apart = view->surfaces = view->shadow_reading.buffer = false;
 	view->last = NULL;
 	view->show = STILB_RENDER_SHOW_SHADED;
 }

@@ -12,12 +12,15 @@
 #define SHADOWS_NAMED 8u   /* lights without shadows that a line names */
 #define SHADOWS_ERROR 0.5f /* texels by which levels of meshes may be off in maps */
 #define SHADOWS_ROOM 1.1f /* of the bounds' radius: what moves stays within for a while, and maps stay where they are */
+#define SHADOWS_OBJECT 0.25f /* of the distance: a model's radius at most, of which a map of near things is */
 #define SHADOWS_PAGES 64u
 #define SHADOWS_BYTES (512u << 20) /* of all pages together, at most */
 
 #define SHADOWS_WORD(id, word, ...) word,
 const char *const stilb_engine_shadow_names[] = {STILB_ENGINE_SHADOW_KINDS(SHADOWS_WORD) NULL};
 const char *const stilb_engine_shadow_faces_names[] = {STILB_ENGINE_SHADOW_FACES(SHADOWS_WORD) NULL};
+const char *const stilb_engine_shadow_bias_names[] = {STILB_ENGINE_SHADOW_BIASES(SHADOWS_WORD) NULL};
+const char *const stilb_engine_shadow_filter_names[] = {STILB_ENGINE_SHADOW_FILTERS(SHADOWS_WORD) NULL};
 
 /* ---- the scene's bounds ------------------------------------------------------------------------------------------ */
 
@@ -55,6 +58,30 @@ static bool shadows_bounds(engine_shadows *shadows, const stilb_scene *scene)
 	if (!holds)
 		*kept = (stilb_sphere){now.x, now.y, now.z, now.radius * SHADOWS_ROOM};
 	return true;
+}
+
+/* A sphere around the models near the camera that a map of near things is for; radius 0: there is none. */
+static stilb_sphere shadows_near(const stilb_scene *scene, const float eye[3], float distance)
+{
+	const stilb_scene_bounds *bounds = &scene->bounds;
+	float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half[3], most = 0.0f;
+	for (uint32_t i = 0; i < scene->model_count; i++) {
+		const float center[3] = {bounds->x[i], bounds->y[i], bounds->z[i]}, radius = bounds->radius[i];
+		float away = hypotf(hypotf(center[0] - eye[0], center[1] - eye[1]), center[2] - eye[2]);
+		if (!(away <= distance) || !(radius <= SHADOWS_OBJECT * distance)) /* or NaN */
+			continue;
+		for (int c = 0; c < 3; c++) {
+			low[c] = fminf(low[c], center[c] - radius);
+			high[c] = fmaxf(high[c], center[c] + radius);
+		}
+	}
+	if (!(low[0] <= high[0]))
+		return (stilb_sphere){0};
+	for (int c = 0; c < 3; c++) {
+		half[c] = 0.5f * (high[c] - low[c]);
+		most += half[c] * half[c];
+	}
+	return (stilb_sphere){low[0] + half[0], low[1] + half[1], low[2] + half[2], sqrtf(most)};
 }
 
 /* ---- maps that stay ---------------------------------------------------------------------------------------------- */
@@ -173,19 +200,35 @@ stilb_engine_shadows stilb_engine_shadows_used(const stilb_engine *engine)
 	STILB_ASSERT_OWNER(engine->owner);
 	stilb_engine_shadows desc = engine->desc.shadows;
 	bool software = stilb_render_device_is_software(engine->render);
+	if (desc.objects)
+		desc.cascades = 1;
 	if (desc.cascades == 0)
 		desc.cascades = software ? 2 : 4;
 	if (desc.size == 0)
 		desc.size = software ? 1024 : 2048;
 	if (desc.samples == 0)
-		desc.samples = 16;
+		desc.samples = desc.filter == STILB_ENGINE_SHADOW_FILTER_COMPARE ? 12 : 16;
 	return desc;
 }
 
 /* Half of the filter's width, texels; 0: it has none. */
 static uint32_t shadows_filter(const stilb_engine_shadows *desc)
 {
+	if (desc->filter == STILB_ENGINE_SHADOW_FILTER_COMPARE) /* the farthest texel that a comparison weighs */
+		return desc->samples >= 12 ? 3 : desc->samples >= 4 ? 2 : 1;
 	return desc->samples >= 36 ? 3 : desc->samples >= 16 ? 2 : desc->samples >= 4 ? 1 : 0;
+}
+
+stilb_render_shadow_reading engine_shadows_reading(const stilb_engine *engine)
+{
+	stilb_engine_shadows desc = stilb_engine_shadows_used(engine);
+	bool all = desc.bias == STILB_ENGINE_SHADOW_BIAS_ALL;
+	return (stilb_render_shadow_reading){
+		.no_plane = !all && desc.bias != STILB_ENGINE_SHADOW_BIAS_PLANE,
+		.no_way = !all && desc.bias != STILB_ENGINE_SHADOW_BIAS_WAY,
+		.taps = desc.filter == STILB_ENGINE_SHADOW_FILTER_COMPARE ? desc.samples : 0,
+		.buffer = desc.kind == STILB_ENGINE_SHADOWS_BUFFER,
+	};
 }
 
 /* A picture that is mirrored shows the other sides of triangles. */
@@ -196,11 +239,13 @@ static void shadows_mirror(stilb_shadow_plan *plan)
 			plan->maps[m].view_projection.m[c] = -plan->maps[m].view_projection.m[c];
 }
 
-stilb_render_view engine_shadows_view(const stilb_render_view *seen, stilb_engine_shadow_faces faces)
+stilb_render_view engine_shadows_view(const stilb_render_view *seen, const stilb_engine_shadows *desc)
 {
+	bool slope = desc->bias == STILB_ENGINE_SHADOW_BIAS_ALL || desc->bias == STILB_ENGINE_SHADOW_BIAS_SLOPE;
 	return (stilb_render_view){
 		.shadow = true,
-		.both_sides = faces == STILB_ENGINE_SHADOW_FACES_BOTH,
+		.shadow_flat = !slope,
+		.both_sides = desc->faces == STILB_ENGINE_SHADOW_FACES_BOTH,
 		.shading = seen->shading,
 		.impostors = seen->impostors,
 		.detail = {STILB_RENDER_DETAIL_POP, SHADOWS_ERROR}, /* of their own, whatever the cameras have */
@@ -212,7 +257,7 @@ stilb_render_view engine_shadows_view(const stilb_render_view *seen, stilb_engin
 static void shadows_view(stilb_engine *engine, uint32_t number, const stilb_shadow_map *map)
 {
 	stilb_render_view *view = &engine->views[number];
-	*view = engine_shadows_view(&engine->views[0], engine->desc.shadows.faces);
+	*view = engine_shadows_view(&engine->views[0], &engine->desc.shadows);
 	view->target = &engine->shadows.target;
 	view->view_projection = map->view_projection;
 	view->layer = map->page;
@@ -309,6 +354,20 @@ static void shadows_tell_left(engine_shadows *shadows, uint32_t pages)
 	          plan->left_out, names, named < plan->left_out ? ", ..." : "", ENGINE_MAX_SHADOWS, pages);
 }
 
+/* Says once that more lights cast shadows than the buffer holds. */
+static void shadows_tell_buffer(engine_shadows *shadows, const stilb_engine_shadows *desc)
+{
+	uint32_t count = 0;
+	if (desc->kind != STILB_ENGINE_SHADOWS_BUFFER || shadows->told_buffer)
+		return;
+	for (uint32_t l = 0; l < shadows->plan.light_count; l++)
+		count += shadows->plan.lights[l].count > 0;
+	shadows->told_buffer = count > STILB_RENDER_SHADOW_BUFFER_LIGHTS;
+	if (shadows->told_buffer)
+		stilb_log("%u lights cast shadows, and a buffer of them holds %u: pixels read the maps", count,
+		          STILB_RENDER_SHADOW_BUFFER_LIGHTS);
+}
+
 /* Says once what cameras beside the scene's own see of suns' shadows. */
 static void shadows_tell_cameras(stilb_engine *engine)
 {
@@ -341,6 +400,7 @@ stilb_result engine_shadows_frame(stilb_engine *engine)
 	                          .maps = ENGINE_MAX_SHADOWS,
 	                          .cascades = desc.cascades,
 	                          .distance = desc.distance,
+	                          .objects = desc.objects,
 	                          .filter = shadows_filter(&desc) > 0 ? shadows_filter(&desc) : 1,
 	                          .fade = fmaxf(SHADOWS_FADE, 2.0f * seen->light_fade),
 	                          .keep = true};
@@ -349,9 +409,12 @@ stilb_result engine_shadows_frame(stilb_engine *engine)
 	                          .bounds = shadows->bounds,
 	                          .others = engine->camera_count > 0};
 	memcpy(view.camera_position, seen->camera_position, sizeof view.camera_position);
+	if (desc.objects)
+		view.near = shadows_near(engine->scene, seen->camera_position, desc.distance);
 	stilb_result result = stilb_shadow_plan_make(&shadows->plan, &plan, &view, seen->lights, seen->light_count);
 	shadows_tell_left(shadows, plan.pages);
 	shadows_tell_cameras(engine);
+	shadows_tell_buffer(shadows, &desc);
 	if (result != STILB_OK || shadows->plan.map_count == 0) {
 		shadows->valid = false;
 		return result == STILB_OK ? shadows_hand_on_none(engine) : result;
@@ -401,7 +464,7 @@ void engine_shadows_drawn(stilb_engine *engine)
 
 void engine_shadows_forget(engine_shadows *shadows)
 {
-	shadows->valid = shadows->told = shadows->told_cameras = false;
+	shadows->valid = shadows->told = shadows->told_cameras = shadows->told_buffer = false;
 	shadows->scene = NULL;
 	shadows->bounds = (stilb_sphere){0};
 }

@@ -264,8 +264,8 @@ static bool same_attachment(const stilb_gpu_attachment *a, const stilb_gpu_attac
 
 static bool same_use(const stilb_gpu_use *a, const stilb_gpu_use *b)
 {
-	return memcmp(a, b, offsetof(stilb_gpu_use, mips)) == 0 && a->mips == b->mips && a->layer == b->layer &&
-	       a->layers == b->layers && a->first == b->first && a->bytes == b->bytes;
+	return memcmp(a, b, offsetof(stilb_gpu_use, mips)) == 0 && a->mips == b->mips && a->array == b->array &&
+	       a->layer == b->layer && a->layers == b->layers && a->first == b->first && a->bytes == b->bytes;
 }
 
 static bool same_pass(const stilb_gpu_pass *a, const stilb_gpu_pass *b)

@@ -161,7 +161,8 @@ typedef struct stilb_gpu_use {
 	uint16_t slot;          /* see stilb_gpu_use_kind; addresses take 8 bytes of the constants, at a multiple of 8 */
 	uint8_t sampler;        /* SAMPLED: stilb_gpu_sampler.id; 0: nearest, clamped */
 	uint8_t mip, mips;      /* images: mips mip .. mip + mips - 1; mips 0: all from mip on. Storage images: one mip */
-	uint16_t layer, layers; /* likewise */
+	bool array;             /* SAMPLED, of 2D images: an array for shaders, also if it is one layer */
+	uint16_t layer, layers; /* as mip, mips */
 	uint32_t first, bytes;  /* UNIFORM: bytes first .. first + bytes - 1 of the buffer; bytes 0: all from first on */
 } stilb_gpu_use;
 

@@ -55,7 +55,7 @@ static uint64_t add_use(uint64_t hash, const stilb_gpu_plan *plan, const stilb_g
 {
 	stilb_gpu_range range = stilb_gpu_plan_range(plan, use);
 	hash = add_resource(hash, plan, use->resource);
-	hash = add(add(add(hash, use->how), use->previous), use->slot);
+	hash = add(add(add(hash, use->how), use->previous | (uint32_t)use->array << 1), use->slot);
 	hash = add(add(add(add(hash, range.mip), range.mips), range.layer), range.layers);
 	return use->how == STILB_GPU_USE_UNIFORM ? add(add(hash, use->first), use->bytes) : hash;
 }

@@ -356,6 +356,17 @@ typedef struct stilb_render_detail {
  *           none, then a colour for 1/16, 1/8, ... 4 times 1/255 of display white, white 8 or more. Tone and dither are
  *           not read. For the view of the main images alone. The image "error" has the difference of radiance by
  *           channel (stilb_render_measure_error).
+ *   CASCADES
+ *           light of suns in the colour of the cascade that keeps it from the surface (red, green, blue, yellow,
+ *           violet, cyan, orange, grey), mixed where they blend; shadows are a quarter as bright. Lamps' light and what
+ *           lies beyond the cascades is grey.
+ *   ATLAS   all layers of the image STILB_RENDER_IMAGE_SHADOW, side by side: the fourth root of depth, so that lamps'
+ *           maps are not all black.
+ *   ACNE    light of shadowed lights in grey, and over it two colours by the shares of the filter's texels. Red: what
+ *           keeps the light away is nearer to the surface, along the way to the light, than twice as far as the bias
+ *           moves the point on it (stilb_render_shadows): most likely the surface itself. Blue: it is as near as that
+ *           and would keep it away if the point were not moved: what the bias rescues, or detaches.
+ *           These three are drawn from maps, also where there is a buffer, and ATLAS of the frame's last maps.
  *   BASE, ... OVERDRAW
  *           the channels of scene_channel.h: no light, no backdrop, and exposure, tone and dither are not read. Levels
  *           and impostors are drawn as usual; an impostor has base colour, normal and roughness alone. WIREFRAME: lines
@@ -366,6 +377,9 @@ typedef struct stilb_render_detail {
 	X(LEVELS, lod, "levels of detail, each in a colour")                                                               \
 	X(LIGHTS, lights, "how many lights each pixel asked, as a colour")                                                 \
 	X(ERROR, error, "how far light is from that of forward lighting, as a colour")                                     \
+	X(CASCADES, cascades, "the shadow maps of suns that each pixel asks, each in a colour")                            \
+	X(ATLAS, atlas, "the shadow maps themselves: depth as lights see it, nearer is brighter")                          \
+	X(ACNE, acne, "red what its own surface seems to shade, blue what the way to the light alone keeps lit")           \
 	STILB_SCENE_CHANNELS_OF_SURFACES(X)
 
 #define STILB_RENDER_SHOW_ENUM(id, ...) STILB_RENDER_SHOW_##id,
@@ -623,6 +637,22 @@ typedef struct stilb_render_shadows {
 	float map_error, view_error;
 } stilb_render_shadows;
 
+/* How shadows are read; {0}: as stilb_render_shadows says. */
+typedef struct stilb_render_shadow_reading {
+	bool no_plane; /* texels are compared with the point's own depth */
+	bool no_way;   /* the point stays where it is: surfaces are not off */
+	uint32_t
+		taps; /* 1, 4, 12: so many comparisons, each of the four texels around a place, in a pattern that alternates
+	                  from pixel to pixel, in place of the filter, whose width the bias has. 0: none */
+	/* Of what can be lit later or in several passes (STILB_RENDER_IMAGE_SHADOW_BUFFER): the shares of light that arrive
+	 * are drawn into an image before light is added up, and read from that. Its depth is drawn before, in all ways of
+	 * lighting; MULTIPASS is as FORWARD. Of one sample a pixel and up to STILB_RENDER_SHADOW_BUFFER_LIGHTS lights with
+	 * maps; else maps are read. */
+	bool buffer;
+} stilb_render_shadow_reading;
+
+#define STILB_RENDER_SHADOW_BUFFER_LIGHTS 64u
+
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
  * are compiled during stilb_render_replay, which then takes some milliseconds, and kept. */
 typedef struct stilb_render_view {
@@ -634,6 +664,7 @@ typedef struct stilb_render_view {
 	 * each its rectangle. */
 	uint16_t layer, area[4];
 	bool shadow; /* of such a target: it is a map of a light. Depth is moved away from the light by a texel's slope */
+	bool shadow_flat; /* likewise: but that by the slope */
 	/* The view_projection of the frame before; its passes then also draw the image "velocity", of a target with
 	 * another name NAME " velocity" (render_images.h), of all but what blends. What has moved are the models that
 	 * the scene lists as moved, and of these the vertices that were written. In the first frame with it models, and in
@@ -649,7 +680,8 @@ typedef struct stilb_render_view {
 		*lights; /* [light_count] without a mistake (stilb_scene_light_mistake); BAKED ones are left out. Read
 	                                  during stilb_render_replay. */
 	uint32_t light_count;
-	const stilb_render_shadows *shadows; /* what keeps these from surfaces; NULL: nothing. Likewise */
+	const stilb_render_shadows *shadows;        /* what keeps these from surfaces; NULL: nothing. Likewise */
+	stilb_render_shadow_reading shadow_reading; /* how that is read */
 	stilb_render_lighting lighting;
 	stilb_render_deferred deferred; /* how, for ways that have these */
 	stilb_render_light_lists light_lists;
@@ -692,10 +724,10 @@ float stilb_render_light_peak(const stilb_scene *scene, const stilb_render_shadi
 
 /* Compiles what passes with this view may need, with textures and without, and for the surfaces of scenes that have
  * been set or prepared, unless it is there; frames go on meanwhile, and one that needs what is being compiled waits for
- * it. Read are the lights' number, kinds and falloffs, whether there are shadows, lighting, light_tolerance,
- * light_fade, ambient, ambient_apart, surroundings, backdrop's kind, sides, shading, detail, impostors, tone, whether
- * it is a shadow's, the target's kind, surfaces, and whether there is a `last`. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE.
- * [any-thread] */
+ * it. Read are the lights' number, kinds and falloffs, whether there are shadows, shadow_reading, lighting,
+ * light_tolerance, light_fade, ambient, ambient_apart, surroundings, backdrop's kind, sides, shading, detail,
+ * impostors, tone, show, whether it is a shadow's, and how, the target's kind, surfaces, and whether there is a
+ * `last`. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);
 
 typedef enum stilb_render_pass_kind {
@@ -822,7 +854,9 @@ typedef struct stilb_render_stats {
 	uint64_t light_gone;        /* those that it leaves nothing of */
 	uint64_t light_pairs;       /* of light and cell in the lists of all passes; by compute those of a frame before */
 	uint64_t light_left_out;    /* such pairs that stilb_render_view.light_tolerance kept out of them */
-	double gpu_ms;              /* GPU time of the last frame whose time is known, ms; 0 on the null device */
+	uint64_t shadow_terms;      /* of lights in buffers of shadows, of all passes; and the bytes of these */
+	uint64_t shadow_bytes;
+	double gpu_ms; /* GPU time of the last frame whose time is known, ms; 0 on the null device */
 } stilb_render_stats;
 
 /* [main-thread] */

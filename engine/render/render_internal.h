@@ -61,7 +61,8 @@ static inline uint32_t render_command_detail(const render_command *command)
 /* A light of a view as the shaders read it (shaders/mesh.glsl). */
 typedef struct render_light {
 	/* kind: stilb_scene_light_kind + 8 stilb_scene_light_falloff + 32 times 0, or, with shadow maps,
-	 * 2 (1 + the first one), and one more where they are those of a cube */
+	 * 2 (1 + the first one), and one more where they are those of a cube; besides it 512 (1 + its place), where there
+	 * is a buffer of shadows */
 	float position[3], kind;
 	float direction[3], reach;
 	float intensity[3], cos_inner;
@@ -72,7 +73,20 @@ typedef struct render_light {
 static_assert(sizeof(render_light) == 80, "std430");
 static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits below");
 
-#define RENDER_LIGHT_SHADOW 32u /* what render_light.kind has of shadows comes in these */
+#define RENDER_LIGHT_SHADOW 32u                         /* what render_light.kind has of shadows comes in these */
+#define RENDER_LIGHT_PLACE (512u * RENDER_LIGHT_SHADOW) /* and what it has of places in these */
+
+/* RENDER_FORMULA_SHADOWS: how shadows are read and shown (shadow.glsl); of programs that draw maps _FLAT alone. */
+#define RENDER_SHADOW_CASCADES 1u /* STILB_RENDER_SHOW_CASCADES */
+#define RENDER_SHADOW_ACNE 2u     /* and _ACNE */
+#define RENDER_SHADOW_NO_PLANE 4u /* as of stilb_render_shadow_reading */
+#define RENDER_SHADOW_NO_WAY 8u
+#define RENDER_SHADOW_FLAT 16u   /* stilb_render_view.shadow_flat */
+#define RENDER_SHADOW_BUFFER 32u /* shares come from the buffer */
+#define RENDER_SHADOW_MASK 64u   /* besides _TERMS: there is STILB_RENDER_IMAGE_MASK */
+#define RENDER_SHADOW_TERMS 128u /* the buffer is drawn */
+#define RENDER_SHADOW_TAPS 256u  /* so many comparisons come in these */
+#define RENDER_SHADOW_LAYER 4u   /* lights of a layer of the buffer */
 
 #define RENDER_LIGHTS_END 64u            /* some have a falloff that is not physical */
 #define RENDER_LIGHTS_GLOSS 128u         /* highlights mirror sky and ground */
@@ -385,15 +399,18 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
  * those that the view has, and of the others a pixel asks those in the list of its cell. */
 typedef struct render_view_lights {
 	uint32_t first, count;
-	uint32_t endless;    /* so many of them end nowhere */
-	uint32_t everywhere; /* so many of them are asked by every pixel: with lists the endless ones, else all */
-	uint32_t bits;       /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among the view's lights */
-	uint32_t lists;      /* element of RENDER_MEMORY_LIGHT_LISTS where render_light_lists lies, or models' words */
-	uint32_t shadows;    /* and where the render_shadow_map lie */
-	uint32_t list_ids;   /* of all lists together; by compute the room for them */
-	uint32_t cells;      /* 1 + the pass's number: its lists are made by compute, of the stilb_light_cells at `lists` */
-	uint32_t reached;    /* and of the stilb_light_reached at this element; 0: jobs have made them */
-	uint32_t grid[2];    /* columns | rows << 16, of tiles; log2 of a tile's pixels | slices << 8 */
+	uint32_t endless;     /* so many of them end nowhere */
+	uint32_t everywhere;  /* so many of them are asked by every pixel: with lists the endless ones, else all */
+	uint32_t bits;        /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among the view's lights */
+	uint32_t lists;       /* element of RENDER_MEMORY_LIGHT_LISTS where render_light_lists lies, or models' words */
+	uint32_t shadows;     /* and where the render_shadow_map lie */
+	uint32_t terms;       /* lights in the buffer of shadows; 0: there is none */
+	uint32_t term_list;   /* and where their places among the view's lie, in the order of the buffer */
+	uint32_t shadow_bits; /* RENDER_SHADOW_... */
+	uint32_t list_ids;    /* of all lists together; by compute the room for them */
+	uint32_t cells;   /* 1 + the pass's number: its lists are made by compute, of the stilb_light_cells at `lists` */
+	uint32_t reached; /* and of the stilb_light_reached at this element; 0: jobs have made them */
+	uint32_t grid[2]; /* columns | rows << 16, of tiles; log2 of a tile's pixels | slices << 8 */
 } render_view_lights;
 
 /* The lists of a view's cells as shaders read them (mesh.glsl): this; then for each cell where its list begins, and
@@ -599,6 +616,14 @@ bool render_view_is_apart(const render_device *device, const stilb_render_view *
 /* The bits of programs that draw it; and as light_bits, of what draws all other light. */
 uint32_t render_around_bits(uint32_t light_bits);
 uint32_t render_unlit_around_bits(uint32_t light_bits);
+/* RENDER_SHADOW_... of programs that draw a view's surfaces and read maps, or that draw maps. */
+uint32_t render_shadow_bits(const stilb_render_view *view);
+/* True if the view's shadows are read from a buffer, if it has no more lights than that holds. */
+bool render_view_has_buffer(const render_device *device, const stilb_render_view *view);
+/* RENDER_SHADOW_... of programs that draw that. */
+uint32_t render_terms_shadow_bits(const render_device *device, uint32_t shadow_bits);
+/* Bits of these programs. */
+uint32_t render_terms_bits(uint32_t light_bits);
 
 /* ---- device/render_deferred.c ---- */
 
@@ -623,10 +648,21 @@ static inline float render_view_pixels(const stilb_render_view *view, uint32_t h
 /* Writes the maps of the view's lights, if any has some, to the frame's memory, before it is placed. */
 stilb_result render_shadows_place(stilb_render *render, const stilb_render_view *view, render_view_lights *lights);
 
+/* ---- lights/render_shadows.c ---- */
+
+/* Gives the view's lights out[0 .. lights->count - 1] that have maps their places in it, and writes the list. */
+stilb_result render_shadows_list(stilb_render *render, const stilb_render_view *view, render_light *out,
+                                 render_view_lights *lights);
+
 /* ---- device/render_shadow.c ---- */
 
+/* Adds the images that a row reads which draws it, and, `layer` of it, what it draws into. */
+stilb_result render_terms_attach(render_device *device, const struct render_stream *stream, render_frame_target *target,
+                                 uint16_t layer, stilb_gpu_pass *row);
+
 /* Adds the use of their image, or of one in its place, to a row whose uses so far are images. */
-stilb_result render_shadow_use(render_device *device, const struct render_stream *stream, stilb_gpu_pass *row);
+stilb_result render_shadow_use(render_device *device, const struct render_stream *stream,
+                               const render_frame_target *target, stilb_gpu_pass *row);
 
 /* ---- device/render_cells.c ---- */
 

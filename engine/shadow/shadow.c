@@ -43,6 +43,8 @@ static bool plan_sun(stilb_shadow_plan *plan, const stilb_shadow_desc *desc, con
 	const float *e = light->intensity;
 	if (light->use == STILB_SCENE_LIGHT_BAKED || !(e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f))
 		return true;
+	if (desc->objects && !(view->near.radius > 0.0f))
+		return true;
 	if (plan->page_count + desc->cascades > desc->pages || plan->map_count + desc->cascades > desc->maps)
 		return false;
 	stilb_shadow_map *maps = plan->maps + plan->map_count;
@@ -220,7 +222,8 @@ static bool desc_is_sound(const stilb_shadow_desc *desc)
 	return desc->page >= STILB_SHADOW_MIN_SIZE && desc->page <= 8192 && (desc->page & (desc->page - 1)) == 0 &&
 	       desc->pages >= 1 && desc->pages <= STILB_SHADOW_MAX_PAGES && desc->maps >= 1 && desc->cascades >= 1 &&
 	       desc->cascades <= STILB_SHADOW_MAX_CASCADES && desc->distance >= 0.0f && isfinite(desc->distance) &&
-	       desc->fade >= 0.0f && isfinite(desc->fade) && desc->filter >= 1 && desc->filter <= 3;
+	       (!desc->objects || (desc->cascades == 1 && desc->distance > 0.0f)) && desc->fade >= 0.0f &&
+	       isfinite(desc->fade) && desc->filter >= 1 && desc->filter <= 3;
 }
 
 stilb_result stilb_shadow_plan_make(stilb_shadow_plan *plan, const stilb_shadow_desc *desc,

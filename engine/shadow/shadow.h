@@ -8,6 +8,9 @@
  *            smaller parts of the camera's frustum. A sphere's size depends on the camera's lens alone, and its map
  *            moves by whole texels: so a point that stands still is drawn into the same place of a texel, whatever the
  *            camera does. It ends at a distance from the camera that the sphere holds; its depth ends below the sphere.
+ * Objects    With `objects` a directional light has one map, around some things near the camera and nothing else
+ *            (stilb_shadow_view.near). Whatever they throw shadows on gets them, as the map's sides lie along the
+ *            light; along its sides, and where `distance` ends, shadows fade. The sphere grows by steps of a quarter.
  * Casters    Of the maps that follow the camera are those models that may throw a shadow on what it sees.
  * Lamps      A spot has one map, unless its cone is wider than 120 degrees; other lamps have six, of a cube's sides. A
  *            map has as many texels as the lamp's reach has pixels in the picture, to the next power of two. What does
@@ -44,6 +47,7 @@ typedef struct stilb_shadow_desc {
 	uint32_t pages;    /* how many there may be, 1..STILB_SHADOW_MAX_PAGES */
 	uint32_t maps;     /* how many maps there may be, >= 1 */
 	uint32_t cascades; /* of each directional light, 1..STILB_SHADOW_MAX_CASCADES */
+	bool objects;      /* of directional lights: the map is that of near things; cascades is 1, distance > 0 */
 	float distance;    /* of directional lights: metres from the camera where shadows have faded out; 0: nowhere */
 	uint32_t filter;   /* texels beside a place that are read with it, 1..3 */
 	float fade;        /* of lamps: pixels that a lamp's reach has in the picture where its shadow has faded out, >= 0;
@@ -57,6 +61,7 @@ typedef struct stilb_shadow_view {
 	float camera_position[3];
 	uint32_t height;     /* of the picture, pixels, >= 1 */
 	stilb_sphere bounds; /* around all that casts and gets shadows; radius > 0 and finite */
+	stilb_sphere near;   /* with desc.objects: around what casts them; radius > 0, or 0: nothing does */
 	bool others;         /* other views read the maps, too: also lamps that this one does not see have some */
 } stilb_shadow_view;
 

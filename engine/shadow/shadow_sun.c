@@ -8,6 +8,7 @@
 #define SUN_SPLIT 0.8 /* with a distance: from equal lengths, 0, to equal factors, 1 */
 #define SUN_NEAR 0.01 /* of the distance: where cascades by equal factors begin */
 
+#define SUN_GROWS 1.25  /* a map of near things by this factor */
 #define SUN_BESIDE 0.05 /* of a sphere's radius: so far beside what is seen casters are drawn, too */
 
 typedef struct sun_sphere {
@@ -40,9 +41,19 @@ static sun_sphere sun_sphere_of(const stilb_shadow_view *view, const double ahea
 	return sphere;
 }
 
+/* A sphere that holds the near things; its radius is one of few, so that the map's texels stay as large. */
+static sun_sphere sun_objects(const stilb_shadow_view *view)
+{
+	const stilb_sphere *near = &view->near;
+	double steps = ceil(log((double)near->radius) / log(SUN_GROWS));
+	return (sun_sphere){{(double)near->x, (double)near->y, (double)near->z}, pow(SUN_GROWS, steps)};
+}
+
 /* Where the cascade ends, metres from the camera. */
 static double sun_end(const stilb_shadow_desc *desc, const stilb_shadow_view *view, uint32_t cascade)
 {
+	if (desc->objects)
+		return (double)desc->distance;
 	double share = (double)(cascade + 1) / desc->cascades, distance = (double)desc->distance;
 	if (desc->distance > 0.0f)
 		return distance * (SUN_SPLIT * pow(SUN_NEAR, 1.0 - share) + (1.0 - SUN_SPLIT) * share);
@@ -98,7 +109,7 @@ void shadow_sun_fit(const stilb_shadow_desc *desc, const stilb_shadow_view *view
 		sun_sphere sphere = {{(double)view->bounds.x, (double)view->bounds.y, (double)view->bounds.z},
 		                     (double)view->bounds.radius};
 		if (!whole)
-			sphere = sun_sphere_of(view, ahead, slant, near, far);
+			sphere = desc->objects ? sun_objects(view) : sun_sphere_of(view, ahead, slant, near, far);
 		maps[c].view_projection =
 			sun_matrix(view, &sphere, right, up, direction, size, size - 2.0 * (desc->filter + blend), whole);
 		maps[c].blend = (float)blend;
@@ -107,7 +118,7 @@ void shadow_sun_fit(const stilb_shadow_desc *desc, const stilb_shadow_view *view
 		maps[c].caster_count = 0;
 		maps[c].far = whole ? 0.0f : (float)far;
 		double texel = 2.0 * sphere.radius / (size - 2.0 * (desc->filter + blend) - 2.0);
-		if (!whole && !view->others)
+		if (!whole && !view->others && !desc->objects)
 			shadow_casters_choose(view, direction, (float)far, (float)((desc->filter + 2.0) * texel),
 			                      (float)(SUN_BESIDE * sphere.radius), &maps[c]);
 		/* Already before its end it gives way to the next one, at the picture's corners less far ahead. */

@@ -34,7 +34,6 @@ picture_flags picture_flags_default(void)
 		.wrap = NAN,
 		.specular = NAN,
 		.shadows = STILB_ENGINE_SHADOWS_MAP,
-		.shadow_samples = 16,
 		.detail = PICTURE_DETAIL_DEFAULT,
 		.detail_error = 0.5f,
 	};
@@ -80,7 +79,8 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	     "of display white, what lights left out of a pixel may send together, 0..1 (0)", 0, 1, NULL},
 		{"--light-fade", FLAG_AMOUNT, &p->light_fade, "PIXELS",
 	     "lights whose reach has fewer pixels are out; up to twice that they fade (0)", 0, 1000, NULL},
-		{"--shadows", FLAG_CHOICE, &p->shadows, "off|map", "map: what lights see is drawn into maps (map)", 0, 0,
+		{"--shadows", FLAG_CHOICE, &p->shadows, "off|map|buffer",
+	     "map: what lights see is drawn into maps; buffer: these are read first, into an image (map)", 0, 0,
 	     stilb_engine_shadow_names},
 		{"--cascades", FLAG_NUMBER, &p->cascades, "1..8", "shadow maps of a sun (4 on a GPU, 2 in software)", 1, 8,
 	     NULL},
@@ -88,8 +88,16 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	     "a shadow map's side, a power of two, 64..8192 (2048 on a GPU, 1024 in software)", 64, 8192, NULL},
 		{"--shadow-distance", FLAG_AMOUNT, &p->shadow_distance, "METRES",
 	     "where shadows of suns have faded out; 0: nowhere (0)", 0, 1000000000, NULL},
-		{"--shadow-samples", FLAG_NUMBER, &p->shadow_samples, "1|4|16|36", "texels of a map that a pixel asks (16)", 1,
-	     36, NULL},
+		{"--shadow-objects", FLAG_SWITCH, &p->shadow_objects, NULL,
+	     "a sun has one map, around what is small and nearer than --shadow-distance", 0, 0, NULL},
+		{"--shadow-filter", FLAG_CHOICE, &p->shadow_filter, "gather|compare",
+	     "how maps are read: all texels of a square, or few comparisons (gather)", 0, 0,
+	     stilb_engine_shadow_filter_names},
+		{"--shadow-samples", FLAG_NUMBER, &p->shadow_samples, "N",
+	     "gather: texels, 1, 4, 16 or 36 (16); compare: comparisons, 1, 4 or 12 (12)", 1, 36, NULL},
+		{"--shadow-bias", FLAG_CHOICE, &p->shadow_bias, "KIND",
+	     "against surfaces that shade themselves: all, or slope, plane, way alone, or none (all)", 0, 0,
+	     stilb_engine_shadow_bias_names},
 		{"--shadow-faces", FLAG_CHOICE, &p->shadow_faces, "both|front|back",
 	     "sides of triangles, as a light sees them, that maps have (both)", 0, 0, stilb_engine_shadow_faces_names},
 		{"--ambient", FLAG_CHOICE, &p->ambient, "KIND",
@@ -384,6 +392,36 @@ bool picture_flags_are_transparent(const picture_flags *p)
 	return p->background && strcmp(p->background, "transparent") == 0;
 }
 
+static bool picture_check_shadows(const picture_flags *p)
+{
+	bool gathers = p->shadow_filter == STILB_ENGINE_SHADOW_FILTER_GATHER;
+	bool few = p->shadow_samples == 0 || p->shadow_samples == 1 || p->shadow_samples == 4;
+	if (!few && !(gathers ? p->shadow_samples == 16 || p->shadow_samples == 36 : p->shadow_samples == 12)) {
+		stilb_log("--shadow-samples: %" PRIu64 " are not possible; give %s with --shadow-filter %s", p->shadow_samples,
+		          gathers ? "1, 4, 16 or 36" : "1, 4 or 12", stilb_engine_shadow_filter_names[p->shadow_filter]);
+		return false;
+	}
+	if (p->cascade_size & (p->cascade_size - 1)) {
+		stilb_log("--cascade-size: %" PRIu64 " is not a power of two; give 512, 1024, 2048, ...", p->cascade_size);
+		return false;
+	}
+	if (p->shadow_objects && (!(p->shadow_distance > 0.0f) || p->cascades > 1)) {
+		stilb_log("--shadow-objects has one map that ends somewhere; give --shadow-distance, and leave out --cascades");
+		return false;
+	}
+	if (p->shadows != STILB_ENGINE_SHADOWS_BUFFER)
+		return true;
+	if (p->samples > 1) {
+		stilb_log("--shadows buffer has one sample a pixel; leave out --msaa, or give --shadows map");
+		return false;
+	}
+	if (p->lighting == STILB_RENDER_LIGHTING_MULTIPASS) {
+		stilb_log("--shadows buffer is not of --lighting multipass; give --shadows map, or another way");
+		return false;
+	}
+	return true;
+}
+
 /* Of --lighting and what goes with it. */
 static bool picture_check_lighting(const picture_flags *p)
 {
@@ -411,14 +449,6 @@ static bool picture_check_lighting(const picture_flags *p)
 		stilb_log("--light-tolerance shortens lists by jobs alone; leave out --light-lists compute");
 		return false;
 	}
-	if (p->shadow_samples != 1 && p->shadow_samples != 4 && p->shadow_samples != 16 && p->shadow_samples != 36) {
-		stilb_log("--shadow-samples: %" PRIu64 " are not possible; give 1, 4, 16 or 36", p->shadow_samples);
-		return false;
-	}
-	if (p->cascade_size & (p->cascade_size - 1)) {
-		stilb_log("--cascade-size: %" PRIu64 " is not a power of two; give 512, 1024, 2048, ...", p->cascade_size);
-		return false;
-	}
 	if (!surfaces && p->gbuffer != 0) {
 		stilb_log("--gbuffer is of --lighting deferred and tiled-deferred; give one of these, too");
 		return false;
@@ -442,7 +472,7 @@ bool picture_flags_check(const picture_flags *p)
 		stilb_log("--msaa: %" PRIu64 " samples are not possible; give 1 or 4", p->samples);
 		return false;
 	}
-	if (!picture_check_lighting(p) || !picture_check_post(p))
+	if (!picture_check_lighting(p) || !picture_check_shadows(p) || !picture_check_post(p))
 		return false;
 	if (!(p->detail_error >= PICTURE_ERROR_LEAST)) {
 		stilb_log("--lod-error: %g pixels are not possible; give 0.01..%d, or --lod off", (double)p->detail_error,

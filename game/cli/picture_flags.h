@@ -34,8 +34,10 @@ typedef struct picture_flags {
 	int ambient;                       /* a stilb_render_ambient */
 	int shadows;                       /* a stilb_engine_shadow_kind */
 	int shadow_faces;                  /* a stilb_engine_shadow_faces */
+	int shadow_bias, shadow_filter;    /* a stilb_engine_shadow_bias, _filter */
 	uint64_t cascades, cascade_size;   /* 0 if not given */
 	uint64_t shadow_samples;
+	bool shadow_objects;
 	float shadow_distance;                       /* metres */
 	uint64_t samples;                            /* 0 if not given */
 	uint64_t max_anisotropy;                     /* 0 if not given */

@@ -451,8 +451,11 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	                                      .cascades = (uint32_t)o->picture.cascades,
 	                                      .size = (uint32_t)o->picture.cascade_size,
 	                                      .distance = o->picture.shadow_distance,
+	                                      .objects = o->picture.shadow_objects,
 	                                      .faces = (stilb_engine_shadow_faces)o->picture.shadow_faces,
-	                                      .samples = (uint32_t)o->picture.shadow_samples};
+	                                      .samples = (uint32_t)o->picture.shadow_samples,
+	                                      .bias = (stilb_engine_shadow_bias)o->picture.shadow_bias,
+	                                      .filter = (stilb_engine_shadow_filter)o->picture.shadow_filter};
 	desc.post = (stilb_post_settings){.occlusion = o->picture.occlusion,
 	                                  .occlusion_radius = o->picture.occlusion_radius,
 	                                  .bloom = o->picture.bloom,

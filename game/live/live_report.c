@@ -80,6 +80,8 @@ static void live_put_shadows(stilb_json *json, const live_report *report)
 		stilb_json_int(json, "maps", report->last.shadow_maps);
 		stilb_json_int(json, "drawn", report->last.shadow_maps_drawn);
 		stilb_json_int(json, "lights_left_out", report->last.shadow_lights_left);
+		stilb_json_int(json, "buffer_lights", (int64_t)report->last.render.shadow_terms);
+		stilb_json_int(json, "buffer_bytes", (int64_t)report->last.render.shadow_bytes);
 		stilb_json_int(json, "lights_faded_out", report->last.shadow_lights_faded);
 		const char *names[LIVE_UNSHADOWED];
 		uint32_t count = live_unshadowed(report, names);

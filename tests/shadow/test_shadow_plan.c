@@ -173,6 +173,45 @@ static void cascades_hold_what_they_promise(void **state)
 	stilb_shadow_plan_finish(&plan);
 }
 
+/* A map of near things holds the sphere around them, by texels of few sizes, and ends at the distance. Of nothing there
+ * is none, and nothing is counted. */
+static void near_things_have_a_map(void **state)
+{
+	(void)state;
+	stilb_shadow_plan plan = {0};
+	for (int v = 0; v < RANDOM_VIEWS; v++) {
+		stilb_shadow_view view = view_somewhere();
+		stilb_shadow_desc desc = {.page = 256, .pages = 8, .maps = 8, .cascades = 1, .filter = 1 + v % 3};
+		stilb_scene_light light = sun();
+		desc.objects = true;
+		desc.distance = (float)uniform(1.0, 100.0);
+		plan_of(&plan, &desc, &view, &light, 1);
+		assert_true(plan.map_count == 0 && plan.left_out == 0);
+		view.near =
+			(stilb_sphere){(float)uniform(-9.0, 9.0), (float)uniform(-1.0, 1.0), 2.0f, (float)uniform(0.01, 30.0)};
+		plan_of(&plan, &desc, &view, &light, 1);
+		const stilb_shadow_map *map = &plan.maps[0];
+		assert_true(plan.map_count == 1 && map->far == desc.distance && map->blend > 0.0f && map->caster_count == 0);
+		for (int p = 0; p < 50; p++) {
+			float away[3];
+			double point[3], at[4];
+			direction(away);
+			const double center[3] = {(double)view.near.x, (double)view.near.y, (double)view.near.z};
+			for (int i = 0; i < 3; i++)
+				point[i] = center[i] + (double)view.near.radius * (double)away[i];
+			place_of(map, point, at);
+			assert_true(inside(map, at) >= desc.filter + (double)map->blend - 0.01);
+		}
+		const float *m = map->view_projection.m;
+		double radius = 2.0 / sqrt((double)(m[0] * m[0] + m[4] * m[4] + m[8] * m[8])) *
+		                (256.0 - 2.0 * (desc.filter + (double)map->blend) - 2.0) / 512.0;
+		double steps = log(radius) / log(1.25);
+		assert_true(fabs(steps - round(steps)) < 1e-3);
+		assert_true(radius >= 0.999 * (double)view.near.radius && radius <= 1.251 * (double)view.near.radius);
+	}
+	stilb_shadow_plan_finish(&plan);
+}
+
 static void look(stilb_shadow_view *view, const double at[3], double yaw, double pitch, double fov)
 {
 	for (int i = 0; i < 3; i++)
@@ -627,6 +666,7 @@ int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(cascades_hold_what_they_promise),
+		cmocka_unit_test(near_things_have_a_map),
 		cmocka_unit_test(nearer_to_the_light_is_larger),
 		cmocka_unit_test(maps_move_by_whole_texels),
 		cmocka_unit_test(lamps_see_all_around),

@@ -155,14 +155,14 @@ static VkResult pass_set(pass_work *work, const gpu_program *program, VkDescript
 		if (!texels || use->how > STILB_GPU_USE_STORAGE)
 			continue;
 		bool sampled = use->how == STILB_GPU_USE_SAMPLED;
+		gpu_vulkan_seen seen = !sampled ? GPU_VULKAN_STORED : use->array ? GPU_VULKAN_ARRAY : GPU_VULKAN_SAMPLED;
 		bool depth = texels->aspect & VK_IMAGE_ASPECT_DEPTH_BIT;
 		stilb_gpu_layout layout = !sampled ? STILB_GPU_LAYOUT_STORAGE
 		                          : depth  ? STILB_GPU_LAYOUT_DEPTH_READ
 		                                   : STILB_GPU_LAYOUT_SAMPLED;
 		images[count] = (VkDescriptorImageInfo){
 			.sampler = sampled ? gpu->samplers[use->sampler] : VK_NULL_HANDLE,
-			.imageView = gpu_vulkan_texels_view(gpu, texels, sampled ? GPU_VULKAN_SAMPLED : GPU_VULKAN_STORED,
-		                                        stilb_gpu_plan_range(work->plan, use)),
+			.imageView = gpu_vulkan_texels_view(gpu, texels, seen, stilb_gpu_plan_range(work->plan, use)),
 			.imageLayout = gpu_vulkan_layout(layout),
 		};
 		if (!images[count].imageView)

@@ -197,13 +197,13 @@ stilb_result render_deferred_lights(render_device *device, const render_stream *
 	bool volumes = render_view_has_volumes(device, view);
 	stilb_gpu_use tiles;
 	deferred_rows rows = {.device = device, .target = target, .push = push, .bits = bits};
-	stilb_result result = render_programs_choose(device, &view->shading, bits, 0, 0, &choice);
+	stilb_result result = render_programs_choose(device, &view->shading, bits, lights->shadow_bits, 0, 0, &choice);
 	if (result == STILB_OK)
 		result = render_programs_deferred(device, choice, volumes);
 	if (result != STILB_OK || (lights->count == 0 && !way.apart))
 		return result;
 	stilb_gpu_pass reads = {0};
-	result = render_shadow_use(device, stream, &reads);
+	result = render_shadow_use(device, stream, target, &reads);
 	rows.shadows = reads.uses[0];
 	if (result == STILB_OK && bits & RENDER_LIGHTS_TILES) {
 		result = render_tiles_make(device, stream, target, push, &tiles);

@@ -163,6 +163,8 @@ extern const stilb_gpu_shader render_deferred_fragment[2]; /* [1: whose surfaces
 /* Of surfaces whose light is added up before they are drawn again: of the first time without what mirrors the panorama;
  * of the second as _gbuffer_... */
 extern const stilb_gpu_shader render_slim_mesh_fragment[RENDER_SURFACES], render_slim_maps_fragment[2];
+/* Of surfaces whose shares of light are drawn (stilb_render_shadow_reading.buffer). */
+extern const stilb_gpu_shader render_terms_mesh_fragment[RENDER_SURFACES], render_terms_maps_fragment[2];
 extern const stilb_gpu_shader render_images_mesh_fragment[2][RENDER_SURFACES], render_images_maps_fragment[2][2];
 /* By render_cells. */
 extern const stilb_gpu_shader render_cells_compute[];
@@ -194,7 +196,8 @@ typedef enum render_formula {
 	RENDER_FORMULA_NDF,
 	RENDER_FORMULA_G,
 	RENDER_FORMULA_F,
-	RENDER_FORMULA_LIGHTS, /* render_view_lights.bits */
+	RENDER_FORMULA_LIGHTS,  /* render_view_lights.bits */
+	RENDER_FORMULA_SHADOWS, /* RENDER_SHADOW_...; in shaders number 11 */
 	RENDER_FORMULAS,
 } render_formula;
 
@@ -274,6 +277,7 @@ typedef struct render_programs {
 	stilb_gpu_program tones[2][RENDER_TONES];       /* [1: of an image with a place in the picture] */
 	struct render_function **functions;             /* [RENDER_MAX_FUNCTIONS] NULL: there is none with this index */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
+	stilb_gpu_program show_layers; /* likewise, of all layers of an array */
 } render_programs;
 
 /* ---- the device -------------------------------------------------------------------------------------------------- */
@@ -304,10 +308,11 @@ typedef struct render_device_maps {
  * materials. */
 #define RENDER_BINDINGS (RENDER_PROGRAM_KINDS * RENDER_SURFACES * 2 * 2)
 
-/* Of a frame: for each pass two of surfaces that are lit later or again (render_ways.c), one of the surroundings' light
+/* Of a frame: for each pass two of surfaces that are lit later or again (render_ways.c), one of the buffer of shadows,
+ * one of the surroundings' light
  * (render_around.c), one of bodies around lights (render_volumes.c), up to three of others (render_through.c) and one
  * of velocities, one that shows nothing, and those of features. */
-#define RENDER_MAX_LISTS (8u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
+#define RENDER_MAX_LISTS (9u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
 
 /* The draws of a pass. */
 typedef struct render_list {
@@ -344,6 +349,7 @@ typedef struct render_frame_target {
 	uint16_t velocity, velocity_depth;        /* of one sample a pixel; 0: no view has asked for them so far */
 	uint16_t normal, id;                      /* likewise */
 	uint16_t surfaces[RENDER_GBUFFER_IMAGES]; /* in the order of gbuffer.glsl; 0: as those */
+	uint16_t terms;                           /* the buffer of shadows; 0: as those */
 	uint16_t apart[RENDER_APART_IMAGES]; /* the light of PREPASS, or that of PRELIGHT and its highlights; 0: as those */
 	char lights[STILB_GPU_MAX_NAME + 1]; /* name of the rows that light surfaces */
 	stilb_result result;                 /* of making its image; else there is none */
@@ -362,6 +368,7 @@ typedef struct render_frame {
 	uint16_t picture;          /* resource of the plan */
 	bool begun;                /* the plan has been begun */
 	bool ended;                /* all scene passes are there, and what makes the picture of them */
+	uint16_t atlas;            /* the image of shadow maps if it is shown in the picture's place; 0: it is not */
 	bool shown;                /* picture has content: of targets, or of 2D passes */
 	uint16_t cube, dfg, light; /* resources of the plan: render_device's; 0: no pass reads them */
 	uint16_t texels;           /* likewise */
@@ -504,10 +511,11 @@ void render_device_rows_free(render_device *device, render_rows *rows);
 stilb_result render_programs_create(render_device *device);
 void render_programs_destroy(render_device *device);
 /* The programs for a view's formulas and light_bits, or, with RENDER_LIGHTS_DEPTH in these, for depth alone, compiled
- * for these kinds (render_stream.kinds) and surfaces, 1 << render_surface
- * each. [any-thread] */
+ * for these kinds (render_stream.kinds) and surfaces, 1 << render_surface each. shadow_bits: RENDER_SHADOW_..., of
+ * which those are left that such programs read. [any-thread] */
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
-                                    uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen);
+                                    uint32_t shadow_bits, uint32_t kinds, uint32_t surfaces,
+                                    render_formula_programs **chosen);
 /* Makes choice->deferred, unless it is there; and, if asked for, choice->volumes and what that needs. All are compiled.
  * [any-thread] */
 stilb_result render_programs_deferred(render_device *device, render_formula_programs *choice, bool volumes);
@@ -594,6 +602,9 @@ void render_target_name(const render_frame_target *target, const char *what, cha
  * target's are. */
 uint16_t render_target_image(render_device *device, const render_frame_target *target, const char *what,
                              stilb_gpu_format format, bool output);
+/* Likewise, of so many layers; of this frame alone. */
+uint16_t render_target_layers(render_device *device, const render_frame_target *target, const char *what,
+                              stilb_gpu_format format, uint16_t layers);
 /* The main images; NULL: the frame has none. */
 render_frame_target *render_target_main(render_device *device);
 /* Adds the passes that make light of samples. */
@@ -608,6 +619,8 @@ void render_targets_show(render_device *device, uint16_t main_light);
 
 /* Adds the pass that shows an image in the place of the picture. */
 stilb_result render_show_image(render_device *device, const stilb_render_shown *shown);
+/* Adds the row that shows all layers of an image of depth in its place. */
+stilb_result render_show_layers(render_device *device, uint16_t image);
 
 /* ---- render_until.c ---------------------------------------------------------------------------------------------- */
 

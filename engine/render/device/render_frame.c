@@ -376,6 +376,8 @@ static stilb_result frame_end_scene(render_device *device)
 	render_targets_show(device, light);
 	if (frame->shown)
 		result = frame_stage(device, STILB_RENDER_STAGE_PICTURE, &frame->picture);
+	if (result == STILB_OK && frame->atlas != 0 && device->until[0] == '\0')
+		result = render_show_layers(device, frame->atlas);
 	bool shows = device->shown.name && strcmp(device->shown.name, STILB_RENDER_IMAGE_PICTURE) != 0;
 	return result == STILB_OK && shows && device->until[0] == '\0' ? render_show_image(device, &device->shown) : result;
 }
@@ -517,12 +519,12 @@ static void frame_gloss(render_device *device, stilb_gpu_pass *row)
 }
 
 /* The images that programs of a pass read, the first ones of its row. */
-static stilb_result frame_images(render_device *device, const render_stream *stream,
+static stilb_result frame_images(render_device *device, const render_stream *stream, const render_frame_target *target,
                                  const render_formula_programs *choice, stilb_gpu_pass *row)
 {
 	if (render_formulas_are_gloss(choice))
 		frame_gloss(device, row);
-	return render_formulas_have_shadows(choice) ? render_shadow_use(device, stream, row) : STILB_OK;
+	return render_formulas_have_shadows(choice) ? render_shadow_use(device, stream, target, row) : STILB_OK;
 }
 
 /* The surfaces that the stream's draws have, but for maps, as of render_programs_choose. */
@@ -587,7 +589,7 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 			continue;
 		stilb_gpu_pass row = frame_row(device, stream, list, "");
 		frame_attach(stream, target, backdrop, &row);
-		result = frame_images(device, stream, choice, &row);
+		result = frame_images(device, stream, target, choice, &row);
 		if (through && result == STILB_OK)
 			result = render_through_use(device, target, row.use_count, &row.uses[row.use_count]);
 		row.use_count += through;
@@ -608,7 +610,7 @@ static stilb_result frame_velocity(render_device *device, const render_stream *s
 	render_stream moved = *stream;
 	render_formula_programs *choice;
 	moved.lights.bits = render_velocity_bits(stream->view);
-	stilb_result result = render_programs_choose(device, &stream->view->shading, moved.lights.bits, stream->kinds,
+	stilb_result result = render_programs_choose(device, &stream->view->shading, moved.lights.bits, 0, stream->kinds,
 	                                             frame_surfaces(stream), &choice);
 	if (result == STILB_OK)
 		result = render_velocity_begin(device, stream, push->view.rest, target);
@@ -643,14 +645,15 @@ static stilb_result frame_multipass(render_device *device, const render_stream *
 	part.view.light_count = each;
 	stilb_result result = frame_rows(device, stream, FRAME_DRAWS_PLAIN, choice, target, backdrop, &part);
 	if (result == STILB_OK)
-		result = render_programs_choose(device, &stream->view->shading, added, stream->kinds, surfaces, &further);
+		result = render_programs_choose(device, &stream->view->shading, added, stream->lights.shadow_bits,
+		                                stream->kinds, surfaces, &further);
 	if (result == STILB_OK)
 		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, further, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " further lights");
 	frame_attach(stream, target, backdrop, &row);
-	result = frame_images(device, stream, further, &row);
+	result = frame_images(device, stream, target, further, &row);
 	if (result != STILB_OK)
 		return result;
 	for (uint32_t first = each; first < count && device->draws[list].run_count > 0; first += each) {
@@ -663,14 +666,48 @@ static stilb_result frame_multipass(render_device *device, const render_stream *
 	return STILB_OK;
 }
 
+/* Adds the rows that draw the buffer of shadows of what is plain, whose depth is there: four lights each. */
+static stilb_result frame_terms(render_device *device, const render_stream *stream, render_frame_target *target,
+                                const render_push *push)
+{
+	const render_view_lights *lights = &stream->lights;
+	render_stream terms = *stream;
+	render_formula_programs *choice;
+	uint32_t list;
+	terms.lights.bits = render_terms_bits(lights->bits);
+	terms.lights.shadow_bits = render_terms_shadow_bits(device, render_shadow_bits(stream->view));
+	if (lights->terms == 0)
+		return STILB_OK;
+	stilb_result result =
+		render_programs_choose(device, &stream->view->shading, terms.lights.bits, terms.lights.shadow_bits,
+	                           stream->kinds, frame_surfaces(stream), &choice);
+	if (result == STILB_OK)
+		result = frame_list(device, &terms, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, choice, &list);
+	device->stats.shadow_terms += lights->terms;
+	for (uint16_t layer = 0; result == STILB_OK && RENDER_SHADOW_LAYER * layer < lights->terms; layer++) {
+		device->stats.shadow_bytes += (uint64_t)target->width * target->height * RENDER_SHADOW_LAYER;
+		uint32_t left = lights->terms - RENDER_SHADOW_LAYER * layer;
+		render_push part = *push;
+		part.view.light_count = left < RENDER_SHADOW_LAYER ? left : RENDER_SHADOW_LAYER;
+		part.view.lists = render_slot_now(device)->memory[RENDER_MEMORY_LIGHT_LISTS].address +
+		                  (lights->term_list + layer) * sizeof(uint32_t[RENDER_SHADOW_LAYER]);
+		stilb_gpu_pass row = frame_row(device, stream, list, " shadow buffer");
+		result = render_terms_attach(device, &terms, target, layer, &row);
+		row_constants(&row, &part, sizeof part);
+		if (result == STILB_OK)
+			stilb_gpu_plan_pass(device->plan, &row);
+	}
+	return result;
+}
+
 /* Adds the rows of what is plain in a scene pass whose lights are deferred: its surfaces, and the lights. */
 static stilb_result frame_deferred(render_device *device, const render_stream *stream, render_frame_target *target,
                                    bool backdrop, const render_push *push)
 {
 	render_formula_programs *surfaces;
 	uint32_t bits = render_gbuffer_bits(stream->view, stream->lights.bits);
-	stilb_result result =
-		render_programs_choose(device, &stream->view->shading, bits, stream->kinds, frame_surfaces(stream), &surfaces);
+	stilb_result result = render_programs_choose(device, &stream->view->shading, bits, 0, stream->kinds,
+	                                             frame_surfaces(stream), &surfaces);
 	uint32_t list;
 	if (result == STILB_OK)
 		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, surfaces, &list);
@@ -679,13 +716,14 @@ static stilb_result frame_deferred(render_device *device, const render_stream *s
 	stilb_gpu_pass row = frame_row(device, stream, list, " surfaces");
 	frame_attach(stream, target, backdrop, &row);
 	render_deferred_attach(device, stream->view, target, &row);
-	result = frame_images(device, stream, surfaces, &row);
+	result = frame_images(device, stream, target, surfaces, &row);
 	if (result != STILB_OK)
 		return result;
 	row_constants(&row, push, sizeof *push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	target->drawn = true;
-	return render_deferred_lights(device, stream, target, push);
+	result = frame_terms(device, stream, target, push);
+	return result == STILB_OK ? render_deferred_lights(device, stream, target, push) : result;
 }
 
 /* Adds the row that draws depth, or, of a way that keeps surfaces and light apart, also normals, of what is plain. */
@@ -697,7 +735,7 @@ static stilb_result frame_depth(render_device *device, const render_stream *stre
 	render_formula_programs *choice;
 	render_stream laid = *stream;
 	laid.lights.bits = apart ? render_gbuffer_bits(stream->view, stream->lights.bits) : RENDER_LIGHTS_DEPTH | sides;
-	stilb_result result = render_programs_choose(device, &stream->view->shading, laid.lights.bits, stream->kinds,
+	stilb_result result = render_programs_choose(device, &stream->view->shading, laid.lights.bits, 0, stream->kinds,
 	                                             frame_surfaces(stream), &choice);
 	if (result == STILB_OK)
 		result = frame_list(device, &laid, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, choice, &list);
@@ -721,13 +759,15 @@ static stilb_result frame_laid(render_device *device, const render_stream *strea
 	bool apart = bits & RENDER_LIGHTS_APART, lists = bits & (RENDER_LIGHTS_TILES | RENDER_LIGHTS_INDEXED);
 	stilb_gpu_use tiles;
 	stilb_result result = frame_depth(device, stream, target, push);
+	if (result == STILB_OK)
+		result = frame_terms(device, stream, target, push);
 	if (result == STILB_OK && apart)
 		result = render_deferred_lights(device, stream, target, push);
 	if (result == STILB_OK && lists)
 		result = render_tiles_make(device, stream, target, push, &tiles);
 	if (result == STILB_OK)
-		result =
-			render_programs_choose(device, &stream->view->shading, bits, stream->kinds, frame_surfaces(stream), &seen);
+		result = render_programs_choose(device, &stream->view->shading, bits, stream->lights.shadow_bits, stream->kinds,
+		                                frame_surfaces(stream), &seen);
 	if (result == STILB_OK)
 		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, seen, &list);
 	if (result != STILB_OK)
@@ -736,7 +776,7 @@ static stilb_result frame_laid(render_device *device, const render_stream *strea
 	frame_attach(stream, target, backdrop, &row);
 	row.depth.load = STILB_GPU_LOAD_KEEP;
 	row.depth.read_only = true;
-	result = frame_images(device, stream, seen, &row);
+	result = frame_images(device, stream, target, seen, &row);
 	if (result != STILB_OK)
 		return result;
 	if (apart)
@@ -757,12 +797,16 @@ static stilb_result frame_plain(render_device *device, const render_stream *stre
 	const stilb_render_view *view = stream->view;
 	render_way way = target->drawn ? (render_way){0} : render_view_way(device, view);
 	render_formula_programs *choice;
+	render_stream lit = *stream;
+	if (lit.lights.terms > 0)
+		lit.lights.shadow_bits = RENDER_SHADOW_BUFFER;
 	if (way.surfaces)
-		return frame_deferred(device, stream, target, backdrop, push);
+		return frame_deferred(device, &lit, target, backdrop, push);
 	if (way.laid)
-		return frame_laid(device, stream, target, backdrop, push);
-	stilb_result result = render_programs_choose(device, &view->shading, stream->lights.bits, stream->kinds,
-	                                             frame_surfaces(stream), &choice);
+		return frame_laid(device, &lit, target, backdrop, push);
+	stilb_result result =
+		render_programs_choose(device, &view->shading, stream->lights.bits, stream->lights.shadow_bits, stream->kinds,
+	                           frame_surfaces(stream), &choice);
 	if (result != STILB_OK)
 		return result;
 	return frame_is_multipass(stream) ? frame_multipass(device, stream, choice, target, backdrop, push)
@@ -779,7 +823,7 @@ static stilb_result frame_apart(render_device *device, const render_stream *stre
 	rest.lights.bits = render_unlit_around_bits(stream->lights.bits);
 	stilb_result result = frame_plain(device, &rest, target, backdrop, push);
 	if (result == STILB_OK)
-		result = render_programs_choose(device, &stream->view->shading, bits, stream->kinds, frame_surfaces(stream),
+		result = render_programs_choose(device, &stream->view->shading, bits, 0, stream->kinds, frame_surfaces(stream),
 		                                &around);
 	if (result == STILB_OK)
 		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, around, &list);
@@ -809,8 +853,8 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	bool backdrop = !target->drawn && target->color != 0 && render_view_is_lit(view) && !render_view_counts(view) &&
 	                render_backdrop_is_drawn(view, stream->panorama);
 	uint32_t surfaces = frame_surfaces(stream);
-	stilb_result result =
-		render_programs_choose(device, &view->shading, stream->lights.bits, stream->kinds, surfaces, &choice);
+	stilb_result result = render_programs_choose(device, &view->shading, stream->lights.bits,
+	                                             stream->lights.shadow_bits, stream->kinds, surfaces, &choice);
 	if (result == STILB_OK && !target->drawn)
 		result = frame_first(device, stream, target, backdrop);
 	if (result != STILB_OK)
@@ -829,6 +873,9 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 		result = frame_velocity(device, stream, target, &push);
 	if (result != STILB_OK)
 		return result;
+	if (view->show == STILB_RENDER_SHOW_ATLAS && target == render_target_main(device) && view->shadows &&
+	    view->shadows->map_count > 0)
+		device->frame.atlas = render_target_get(device, view->shadows->target)->depth;
 	bool apart = !target->drawn && render_view_is_apart(device, view);
 	render_way way = target->drawn ? (render_way){0} : render_view_way(device, view);
 	if (!apart && !way.surfaces && !way.laid && !frame_is_multipass(stream))

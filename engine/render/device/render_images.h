@@ -72,8 +72,18 @@
 #define STILB_RENDER_IMAGE_SHADOW "shadow"
 #define STILB_RENDER_IMAGE_NO_SHADOWS "no shadows"
 
+/* Of views whose shadow_reading has a buffer, one sample a pixel: the square roots of the shares of shadowed lights
+ * that arrive, four lights in each layer: directional ones first, then the others, both in the view's order. rgba8_u,
+ * layers; of a target with another name NAME " shadow buffer". Of what can be lit later or in several passes; it holds
+ * anything where none of that is. */
+#define STILB_RENDER_IMAGE_SHADOW_BUFFER "shadow buffer"
+
+/* The share of each shadowed directional light that reaches the pixel where its cascades end: layer k of the k-th one,
+ * r8_u, the picture's size. Who knows, writes it, in a row of the stage FIRST (stilb_render_feature): nothing here
+ * does, and where there is none, as beyond its layers, all light arrives. Read where the shadow buffer is drawn. */
+#define STILB_RENDER_IMAGE_MASK "mask"
+
 /* Reserved: nothing writes these yet. */
-#define STILB_RENDER_IMAGE_MASK "mask"     /* r8_u, layers: the share of a light that reaches the pixel */
 #define STILB_RENDER_IMAGE_PROBES "probes" /* rgba16_f, layers: irradiance at the places of probes */
 
 #endif

@@ -132,7 +132,7 @@ static void program_shadow(stilb_gpu_program_desc *desc, const render_formula_pr
 	if (!render_formulas_are_depth(choice) || !(choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SHADOWS))
 		return;
 	desc->depth_bias = -8.0f;
-	desc->depth_bias_slope = -1.0f;
+	desc->depth_bias_slope = choice->formulas[RENDER_FORMULA_SHADOWS] & RENDER_SHADOW_FLAT ? 0.0f : -1.0f;
 }
 
 /* How programs of counted lights differ: what they draw is added up, but for surfaces that are lit later. */
@@ -146,6 +146,21 @@ static void program_counted(stilb_gpu_program_desc *desc, const render_formula_p
 static bool formulas_are_apart(const render_formula_programs *choice)
 {
 	return choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_APART;
+}
+
+/* True if they draw the buffer of shadows. */
+static bool formulas_are_terms(const render_formula_programs *choice)
+{
+	return choice->formulas[RENDER_FORMULA_SHADOWS] & RENDER_SHADOW_TERMS;
+}
+
+/* How these differ: they read the mask, or an image in its place, too. */
+static void program_terms(stilb_gpu_program_desc *desc, const render_formula_programs *choice, stilb_gpu_shader code)
+{
+	if (!formulas_are_terms(choice))
+		return;
+	desc->fragment = code;
+	desc->samplers = 2;
 }
 
 static bool formulas_are_around(const render_formula_programs *choice)
@@ -167,8 +182,9 @@ static void program_formulas(const render_device *device, const render_formula_p
                              render_drawn drawn, stilb_gpu_program_desc *desc)
 {
 	program_constant(desc, 1, drawn);
-	for (uint32_t f = 0; f < RENDER_FORMULAS; f++)
+	for (uint32_t f = 0; f < RENDER_FORMULA_SHADOWS; f++)
 		program_constant(desc, 2 + f, choice->formulas[f]);
+	program_constant(desc, 11, choice->formulas[RENDER_FORMULA_SHADOWS]);
 	program_constant(desc, 7, detail);
 	program_constant(desc, 8, render_formulas_are_depth(choice) ? 1 : device->samples);
 }
@@ -202,6 +218,7 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 	desc.samplers += apart && !gbuffer ? RENDER_APART_IMAGES : 0;
 	if (render_formulas_are_seen(choice) || formulas_are_around(choice))
 		desc.fragment = depth ? render_seen_mesh_fragment[surface] : render_around_mesh_fragment[gloss][surface];
+	program_terms(&desc, choice, render_terms_mesh_fragment[surface]);
 	if (channel > 0) {
 		program_channel(&desc, channel);
 		desc.fragment = render_channel_mesh_fragment[surface];
@@ -269,6 +286,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	desc.samplers += apart && !gbuffer ? RENDER_APART_IMAGES : 0;
 	if (seen || formulas_are_around(choice))
 		desc.fragment = seen ? render_seen_maps_fragment[extras] : render_around_maps_fragment[gloss][extras];
+	program_terms(&desc, choice, render_terms_maps_fragment[extras]);
 	if (channel > 0) {
 		program_channel(&desc, channel);
 		desc.vertex = render_channel_vertex[device->packed][RENDER_CHANNEL_MAPS + extras];
@@ -459,7 +477,9 @@ static stilb_result choice_compile(render_device *device, const render_formula_p
 		return stilb_gpu_program_prepare(device->gpu, program, depth ? seen : around, depth ? 3 : 2, STILB_GPU_D32_F,
 		                                 1);
 	}
-	stilb_gpu_format color = velocity ? STILB_GPU_RG16_F : STILB_GPU_RGBA16_F;
+	stilb_gpu_format color = formulas_are_terms(choice) ? STILB_GPU_RGBA8_U
+	                         : velocity                 ? STILB_GPU_RG16_F
+	                                                    : STILB_GPU_RGBA16_F;
 	return stilb_gpu_program_prepare(device->gpu, program, &color, depth && !velocity ? 0 : 1, STILB_GPU_D32_F,
 	                                 depth ? 1 : device->samples);
 }
@@ -501,8 +521,18 @@ static stilb_result choice_make(render_device *device, render_formula_programs *
 	return result;
 }
 
+/* Of RENDER_SHADOW_... those that programs with these bits read. */
+static uint32_t choice_shadow_bits(uint32_t light_bits, uint32_t shadow_bits)
+{
+	uint32_t unread = RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_AROUND;
+	if (!(light_bits & RENDER_LIGHTS_SHADOWS) || light_bits & unread)
+		return 0;
+	return shadow_bits & (light_bits & RENDER_LIGHTS_DEPTH ? RENDER_SHADOW_FLAT : ~RENDER_SHADOW_FLAT);
+}
+
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
-                                    uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen)
+                                    uint32_t shadow_bits, uint32_t kinds, uint32_t surfaces,
+                                    render_formula_programs **chosen)
 {
 	bool lit = !(light_bits & RENDER_LIGHTS_DEPTH) && render_lights_channel(light_bits) == 0;
 	bool microfacet = lit && wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
@@ -515,6 +545,7 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 		[RENDER_FORMULA_G] = microfacet ? wanted->g : 0,
 		[RENDER_FORMULA_F] = microfacet ? wanted->f : 0,
 		[RENDER_FORMULA_LIGHTS] = light_bits,
+		[RENDER_FORMULA_SHADOWS] = choice_shadow_bits(light_bits, shadow_bits),
 	};
 	pthread_mutex_lock(&device->programs.lock);
 	render_formula_programs *choice = choice_find(&device->programs, formulas);
@@ -610,7 +641,7 @@ stilb_result render_programs_tiles(render_device *device, const stilb_render_sha
 	stilb_gpu_program_desc desc = {
 		.name = names[kind], .compute = render_tiles_compute[kind], .samplers = samplers[kind]};
 	STILB_ASSERT((bits & ~RENDER_LIGHTS_GBUFFER8) == 0);
-	stilb_result result = render_programs_choose(device, shading, bits, 0, 0, &choice);
+	stilb_result result = render_programs_choose(device, shading, bits, 0, 0, 0, &choice);
 	if (result != STILB_OK)
 		return result;
 	for (uint32_t f = 0; f < RENDER_FORMULA_LIGHTS && kind == RENDER_TILES_GLOSS; f++)
@@ -731,10 +762,11 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 
 /* Makes the programs that draw a view's surfaces with these bits. */
 static stilb_result prepare_surfaces(render_device *device, const stilb_render_view *view, uint32_t bits,
-                                     uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
+                                     uint32_t shadow_bits, uint32_t kinds, uint32_t surfaces,
+                                     const render_known_maps *maps)
 {
 	render_formula_programs *choice;
-	stilb_result result = render_programs_choose(device, &view->shading, bits, kinds, surfaces, &choice);
+	stilb_result result = render_programs_choose(device, &view->shading, bits, shadow_bits, kinds, surfaces, &choice);
 	return result == STILB_OK ? prepare_all_maps(device, view, choice, kinds, maps) : result;
 }
 
@@ -743,9 +775,9 @@ static stilb_result prepare_around(render_device *device, const stilb_render_vie
                                    uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
 {
 	uint32_t around = render_around_bits(light_bits), rest = render_unlit_around_bits(light_bits);
-	stilb_result result = prepare_surfaces(device, view, around, kinds, surfaces, maps);
+	stilb_result result = prepare_surfaces(device, view, around, 0, kinds, surfaces, maps);
 	if (result == STILB_OK && !render_view_way(device, view).surfaces && !render_view_way(device, view).laid)
-		result = prepare_surfaces(device, view, rest, kinds, surfaces, maps);
+		result = prepare_surfaces(device, view, rest, render_shadow_bits(view), kinds, surfaces, maps);
 	return result == STILB_OK ? render_programs_around(device) : result;
 }
 
@@ -758,9 +790,16 @@ static stilb_result prepare_way(render_device *device, const stilb_render_view *
 	uint32_t first = way.surfaces || way.apart ? render_gbuffer_bits(view, light_bits) : way.laid ? depth : 0;
 	uint32_t added = render_added_bits(view, light_bits);
 	uint32_t again = way.laid ? render_laid_bits(view, light_bits) : added;
-	stilb_result result = first != 0 ? prepare_surfaces(device, view, first, kinds, surfaces, maps) : STILB_OK;
+	uint32_t shadow_bits = render_shadow_bits(view), terms = render_terms_bits(light_bits);
+	stilb_result result = first != 0 ? prepare_surfaces(device, view, first, 0, kinds, surfaces, maps) : STILB_OK;
+	if (light_bits & RENDER_LIGHTS_SHADOWS && render_view_has_buffer(device, view)) {
+		if (result == STILB_OK)
+			result = prepare_surfaces(device, view, terms, render_terms_shadow_bits(device, shadow_bits), kinds,
+			                          surfaces, maps);
+		shadow_bits = RENDER_SHADOW_BUFFER;
+	}
 	if (result == STILB_OK && again != 0)
-		result = prepare_surfaces(device, view, again, kinds, surfaces, maps);
+		result = prepare_surfaces(device, view, again, shadow_bits, kinds, surfaces, maps);
 	if (result == STILB_OK && light_bits & RENDER_LIGHTS_LISTS && (way.tiles || way.indexed)) {
 		stilb_gpu_program tiles;
 		result = render_programs_tiles_of(device, view, light_bits, &tiles);
@@ -768,7 +807,8 @@ static stilb_result prepare_way(render_device *device, const stilb_render_view *
 	if (result != STILB_OK || !(way.surfaces || way.apart))
 		return result;
 	render_formula_programs *lights;
-	result = render_programs_choose(device, &view->shading, render_deferred_bits(view, light_bits), 0, 0, &lights);
+	result = render_programs_choose(device, &view->shading, render_deferred_bits(view, light_bits), shadow_bits, 0, 0,
+	                                &lights);
 	bool volumes = render_view_has_volumes(device, view);
 	return result == STILB_OK ? render_programs_deferred(device, lights, volumes) : result;
 }
@@ -782,7 +822,8 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 	if (drawn && view->show != STILB_RENDER_SHOW_LEVELS && view->detail.mode != STILB_RENDER_DETAIL_POP)
 		kinds |= 1u << render_state_detail(RENDER_STATE_FADE); /* also models that morph fade to their impostor */
 	surfaces |= drawn ? 1u << RENDER_SURFACE_IMPOSTOR : 0;
-	stilb_result result = render_programs_choose(device, &view->shading, light_bits, kinds, surfaces, &choice);
+	stilb_result result =
+		render_programs_choose(device, &view->shading, light_bits, render_shadow_bits(view), kinds, surfaces, &choice);
 	if (result == STILB_OK)
 		result = prepare_all_maps(device, view, choice, kinds, maps);
 	if (result == STILB_OK && render_formulas_are_velocity(choice))

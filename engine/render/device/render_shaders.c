@@ -161,6 +161,21 @@ static const uint32_t maps_slim_frag[] =
 static const uint32_t maps_extras_slim_frag[] =
 #include "maps_extras_slim.frag.inc"
 	;
+static const uint32_t mesh_terms_frag[] =
+#include "mesh_terms.frag.inc"
+	;
+static const uint32_t mesh_texture_terms_frag[] =
+#include "mesh_texture_terms.frag.inc"
+	;
+static const uint32_t impostor_terms_frag[] =
+#include "impostor_terms.frag.inc"
+	;
+static const uint32_t maps_terms_frag[] =
+#include "maps_terms.frag.inc"
+	;
+static const uint32_t maps_extras_terms_frag[] =
+#include "maps_extras_terms.frag.inc"
+	;
 static const uint32_t mesh_images_frag[] =
 #include "mesh_images.frag.inc"
 	;
@@ -518,6 +533,12 @@ const stilb_gpu_shader render_slim_mesh_fragment[RENDER_SURFACES] = {
 	[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_slim_frag),
 };
 const stilb_gpu_shader render_slim_maps_fragment[2] = {SHADER(maps_slim_frag), SHADER(maps_extras_slim_frag)};
+const stilb_gpu_shader render_terms_mesh_fragment[RENDER_SURFACES] = {
+	[RENDER_SURFACE_PLAIN] = SHADER(mesh_terms_frag),
+	[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_terms_frag),
+	[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_terms_frag),
+};
+const stilb_gpu_shader render_terms_maps_fragment[2] = {SHADER(maps_terms_frag), SHADER(maps_extras_terms_frag)};
 const stilb_gpu_shader render_images_mesh_fragment[2][RENDER_SURFACES] = {
 	{
 		[RENDER_SURFACE_PLAIN] = SHADER(mesh_images_frag),

@@ -52,14 +52,49 @@ static uint16_t shadow_clear(render_device *device, const stilb_render_shadows *
 	return layers;
 }
 
-stilb_result render_shadow_use(render_device *device, const render_stream *stream, stilb_gpu_pass *row)
+/* ---- the buffer -------------------------------------------------------------------------------------------------- */
+
+static uint16_t terms_layers(const render_stream *stream)
 {
-	stilb_gpu_use use = {.how = STILB_GPU_USE_SAMPLED, .slot = row->use_count};
+	return (uint16_t)((stream->lights.terms + RENDER_SHADOW_LAYER - 1) / RENDER_SHADOW_LAYER);
+}
+
+stilb_result render_terms_attach(render_device *device, const render_stream *stream, render_frame_target *target,
+                                 uint16_t layer, stilb_gpu_pass *row)
+{
+	uint16_t mask = stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_MASK);
+	stilb_result result = render_shadow_use(device, stream, target, row);
+	if (result == STILB_OK && mask == 0)
+		result = shadow_none(device);
+	if (result != STILB_OK)
+		return result;
+	row->uses[row->use_count] = (stilb_gpu_use){.resource = mask != 0 ? mask : device->frame.no_shadows,
+	                                            .how = STILB_GPU_USE_SAMPLED,
+	                                            .slot = row->use_count,
+	                                            .array = true};
+	row->use_count++;
+	if (target->terms == 0)
+		target->terms = render_target_layers(device, target, STILB_RENDER_IMAGE_SHADOW_BUFFER, STILB_GPU_RGBA8_U,
+		                                     terms_layers(stream));
+	row->color_count = 1;
+	row->color[0] = (stilb_gpu_attachment){.image = target->terms, .layer = layer, .load = STILB_GPU_LOAD_DISCARD};
+	row->depth = (stilb_gpu_attachment){.image = target->depth, .load = STILB_GPU_LOAD_KEEP, .read_only = true};
+	return STILB_OK;
+}
+
+/* ---- what passes read -------------------------------------------------------------------------------------------- */
+
+stilb_result render_shadow_use(render_device *device, const render_stream *stream, const render_frame_target *target,
+                               stilb_gpu_pass *row)
+{
+	stilb_gpu_use use = {.how = STILB_GPU_USE_SAMPLED, .slot = row->use_count, .array = true};
 	const stilb_render_shadows *shadows = stream->view ? stream->view->shadows : NULL;
-	if (stream->lights.bits & RENDER_LIGHTS_SHADOWS && shadows->map_count > 0) {
-		render_frame_target *target = render_target_get(device, shadows->target);
-		use.resource = target->depth;
-		use.layers = shadow_clear(device, shadows, target);
+	if (stream->lights.shadow_bits & RENDER_SHADOW_BUFFER) {
+		use.resource = target->terms;
+	} else if (stream->lights.bits & RENDER_LIGHTS_SHADOWS && shadows->map_count > 0) {
+		render_frame_target *maps = render_target_get(device, shadows->target);
+		use.resource = maps->depth;
+		use.layers = shadow_clear(device, shadows, maps);
 	} else {
 		stilb_result result = shadow_none(device);
 		if (result != STILB_OK)

@@ -3,6 +3,7 @@
 #include "render/render_internal.h"
 #include "shader_sources.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -16,8 +17,13 @@ static const uint32_t show_integers_frag[] =
 #include "show_integers.frag.inc"
 	;
 
+static const uint32_t show_layers_frag[] =
+#include "show_layers.frag.inc"
+	;
+
 typedef struct show_push {
 	float low, high;
+	float columns, rows, side[2]; /* of show_layers_frag alone */
 } show_push;
 
 /* Channels of a format; 1 of depth. */
@@ -92,7 +98,7 @@ stilb_result render_show_image(render_device *device, const stilb_render_shown *
 	if (result != STILB_OK)
 		return result;
 	bool range = shown->low != 0.0f || shown->high != 0.0f;
-	show_push push = {shown->low, range ? shown->high : 1.0f};
+	show_push push = {.low = shown->low, .high = range ? shown->high : 1.0f};
 	stilb_gpu_pass pass = {
 		.name = "show",
 		.kind = STILB_GPU_PASS_FULLSCREEN,
@@ -105,6 +111,47 @@ stilb_result render_show_image(render_device *device, const stilb_render_shown *
 	              .mips = 1,
 	              .layer = (uint16_t)shown->layer,
 	              .layers = 1}},
+		.use_count = 1,
+		.constant_bytes = sizeof push,
+	};
+	memcpy(pass.constants, &push, sizeof push);
+	stilb_gpu_plan_pass(device->plan, &pass);
+	device->frame.shown = true;
+	return STILB_OK;
+}
+
+/* How so many squares fill the picture with the largest sides. */
+static show_push show_squares(const render_device *device, uint32_t count)
+{
+	show_push best = {0};
+	float width = (float)device->width, height = (float)device->height, most = 0.0f;
+	for (uint32_t columns = 1; columns <= count; columns++) {
+		uint32_t rows = (count + columns - 1) / columns;
+		float side = fminf(width / (float)columns, height / (float)rows);
+		if (side > most)
+			best = (show_push){0.0f, 1.0f, (float)columns, (float)rows, {side / width, side / height}};
+		most = fmaxf(side, most);
+	}
+	return best;
+}
+
+stilb_result render_show_layers(render_device *device, uint16_t image)
+{
+	stilb_gpu_program *program = &device->programs.show_layers;
+	stilb_gpu_program_desc desc = {.name = "show layers",
+	                               .fragment = {show_layers_frag, sizeof show_layers_frag, SOURCE_show_layers_frag},
+	                               .samplers = 1};
+	stilb_result result = program->id != 0 ? STILB_OK : stilb_gpu_program_create(device->gpu, &desc, program);
+	if (result != STILB_OK)
+		return result;
+	show_push push = show_squares(device, stilb_gpu_plan_extent(device->plan, image)->layers);
+	stilb_gpu_pass pass = {
+		.name = "show",
+		.kind = STILB_GPU_PASS_FULLSCREEN,
+		.program = program->id,
+		.color = {{.image = device->frame.picture, .load = STILB_GPU_LOAD_DISCARD}},
+		.color_count = 1,
+		.uses = {{.resource = image, .how = STILB_GPU_USE_SAMPLED, .array = true}},
 		.use_count = 1,
 		.constant_bytes = sizeof push,
 	};

@@ -110,8 +110,8 @@ render_frame_target *render_target_get(render_device *device, const stilb_render
 	return target;
 }
 
-uint16_t render_target_image(render_device *device, const render_frame_target *target, const char *what,
-                             stilb_gpu_format format, bool output)
+static uint16_t target_image_of(render_device *device, const render_frame_target *target, const char *what,
+                                stilb_gpu_format format, uint16_t layers, bool output)
 {
 	char name[STILB_GPU_MAX_NAME + 1];
 	bool main = target->main || !target->from;
@@ -121,8 +121,21 @@ uint16_t render_target_image(render_device *device, const render_frame_target *t
 	                                                        .format = format,
 	                                                        .width = target->width,
 	                                                        .height = target->height,
+	                                                        .layers = layers,
 	                                                        .samples = 1,
 	                                                        .output = output && (main || target->from->output)});
+}
+
+uint16_t render_target_image(render_device *device, const render_frame_target *target, const char *what,
+                             stilb_gpu_format format, bool output)
+{
+	return target_image_of(device, target, what, format, 1, output);
+}
+
+uint16_t render_target_layers(render_device *device, const render_frame_target *target, const char *what,
+                              stilb_gpu_format format, uint16_t layers)
+{
+	return target_image_of(device, target, what, format, layers, false);
 }
 
 render_frame_target *render_target_main(render_device *device)

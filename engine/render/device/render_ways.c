@@ -1,5 +1,6 @@
 /* What each way of lighting (stilb_render_lighting) asks of programs: which surfaces, in which formats, and by which
  * bits of lights. */
+#include "render/device/render_images.h"
 #include "render/render_internal.h"
 
 const stilb_gpu_format render_gbuffer_formats[STILB_RENDER_GBUFFER_KINDS][1 + RENDER_GBUFFER_IMAGES] = {
@@ -33,7 +34,9 @@ bool stilb_render_lighting_is_of_one_sample(stilb_render_lighting way)
 
 render_way render_view_way(const render_device *device, const stilb_render_view *view)
 {
-	return device->samples == 1 && render_view_is_lit(view) ? ways[view->lighting] : (render_way){0};
+	render_way way = device->samples == 1 && render_view_is_lit(view) ? ways[view->lighting] : (render_way){0};
+	way.laid |= !way.surfaces && render_view_has_buffer(device, view);
+	return way;
 }
 
 render_tiles render_view_tiles(const render_device *device, const stilb_render_view *view)
@@ -121,4 +124,37 @@ uint32_t render_unlit_around_bits(uint32_t light_bits)
 {
 	/* The panorama's bit stays: its lamps are lights, and have a size. */
 	return (light_bits & ~(RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_AMBIENT)) | RENDER_LIGHTS_DARK;
+}
+
+/* ---- shadows ----------------------------------------------------------------------------------------------------- */
+
+uint32_t render_shadow_bits(const stilb_render_view *view)
+{
+	const stilb_render_shadow_reading *reading = &view->shadow_reading;
+	if (render_view_is_depth(view))
+		return view->shadow_flat ? RENDER_SHADOW_FLAT : 0;
+	return (view->show == STILB_RENDER_SHOW_CASCADES ? RENDER_SHADOW_CASCADES : 0) |
+	       (view->show == STILB_RENDER_SHOW_ACNE ? RENDER_SHADOW_ACNE : 0) |
+	       (reading->no_plane ? RENDER_SHADOW_NO_PLANE : 0) | (reading->no_way ? RENDER_SHADOW_NO_WAY : 0) |
+	       RENDER_SHADOW_TAPS * reading->taps;
+}
+
+bool render_view_has_buffer(const render_device *device, const stilb_render_view *view)
+{
+	bool shown = view->show == STILB_RENDER_SHOW_CASCADES || view->show == STILB_RENDER_SHOW_ACNE;
+	return view->shadow_reading.buffer && view->shadows && device->samples == 1 && render_view_is_lit(view) &&
+	       !render_view_counts(view) && !shown;
+}
+
+uint32_t render_terms_bits(uint32_t light_bits)
+{
+	uint32_t read =
+		((1u << STILB_SCENE_LIGHT_KINDS) - 1) | RENDER_LIGHTS_END | RENDER_LIGHTS_SIDES | RENDER_LIGHTS_SHADOWS;
+	return (light_bits & read) | RENDER_LIGHTS_LAID;
+}
+
+uint32_t render_terms_shadow_bits(const render_device *device, uint32_t shadow_bits)
+{
+	bool mask = device->frame.begun && stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_MASK) != 0;
+	return shadow_bits | RENDER_SHADOW_TERMS | (mask ? RENDER_SHADOW_MASK : 0);
 }

@@ -220,7 +220,8 @@ static stilb_result lights_place_all(stilb_render *render, const stilb_render_vi
 			if (light->use != STILB_SCENE_LIGHT_BAKED && render_light_ends(light) == (bool)ends && (all || left > 0.0f))
 				lights_write(out++, view, i, left);
 		}
-	return result;
+	return result == STILB_OK && lights->count > 0 ? render_shadows_list(render, view, out - lights->count, lights)
+	                                               : result;
 }
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
@@ -430,6 +431,10 @@ static stilb_result lights_place_lists(stilb_render *render, const stilb_render_
 		return result;
 	for (uint32_t i = 0; out && i < lists->light_count; i++)
 		lights_write(out++, view, lists->lights[i], render_light_left(&fade, &view->lights[lists->lights[i]]));
+	if (lights->count > 0)
+		result = render_shadows_list(render, view, out - lights->count, lights);
+	if (result != STILB_OK)
+		return result;
 	lights->endless = lights->everywhere = lights->count - lists->light_count + lists->everywhere_count;
 	lights_note(render, counts);
 	if (room == 0)
@@ -486,11 +491,11 @@ stilb_render_error stilb_render_measure_error(const uint16_t (*texels)[4], uint6
 /* ---- a frame ----------------------------------------------------------------------------------------------------- */
 
 /* True if both views have the same lights, without lists. */
-static bool lights_are_same(const stilb_render_view *a, const stilb_render_view *b)
+static bool lights_are_same(const render_device *device, const stilb_render_view *a, const stilb_render_view *b)
 {
-	return a->lights == b->lights && a->light_count == b->light_count && a->shadows == b->shadows &&
-	       !(a->light_fade > 0.0f) && !(b->light_fade > 0.0f) &&
-	       a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
+	return render_view_has_buffer(device, a) == render_view_has_buffer(device, b) && a->lights == b->lights &&
+	       a->light_count == b->light_count && a->shadows == b->shadows && !(a->light_fade > 0.0f) &&
+	       !(b->light_fade > 0.0f) && a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
 	       a->surroundings.rotation == b->surroundings.rotation &&
 	       (a->ambient == STILB_RENDER_AMBIENT_NONE) == (b->ambient == STILB_RENDER_AMBIENT_NONE);
 }
@@ -515,19 +520,20 @@ stilb_result render_lights_place(stilb_render *render, const stilb_render_pass *
 		const render_panorama *panorama = render_view_panorama(render, view);
 		uint32_t bits = render_light_bits(view, panorama, render_view_lamps(view, panorama));
 		placed[p].bits = bits;
+		placed[p].shadow_bits = render_shadow_bits(view);
 		if (!render_view_is_lit(view))
 			continue;
 		result = render_shadows_place(render, view, &placed[p]);
 		if (result != STILB_OK)
 			break;
-		uint32_t shadows = placed[p].shadows;
+		uint32_t shadows = placed[p].shadows, shadow_bits = placed[p].shadow_bits;
 		if (bits & RENDER_LIGHTS_LISTS)
 			result = lights_place_lists(render, view, panorama, p, &placed[p], pool, worker);
 		/* A view that cannot be cut into cells shows nothing, or a plane: asking all lights is as well. */
 		if (bits & RENDER_LIGHTS_LISTS && result != STILB_ERROR_ARGUMENT)
 			continue;
 		result = STILB_OK;
-		if (!last || !lights_are_same(view, last)) {
+		if (!last || !lights_are_same(render->device, view, last)) {
 			now = (render_view_lights){0};
 			result = lights_place_all(render, view, panorama, &now);
 			lights_tell_loop(render, now.everywhere);
@@ -535,6 +541,7 @@ stilb_result render_lights_place(stilb_render *render, const stilb_render_pass *
 		}
 		placed[p] = now;
 		placed[p].shadows = shadows;
+		placed[p].shadow_bits = shadow_bits;
 		placed[p].bits = bits & ~RENDER_LIGHTS_LISTS;
 		render_combined_pass *combined = &render->passes[p].combined;
 		if (combined->model_count == 0)

@@ -119,6 +119,41 @@ static bool shadows_are_sound(const stilb_render_shadows *shadows)
 	return sound;
 }
 
+/* ---- places in the buffer ---------------------------------------------------------------------------------------- */
+
+/* Lights of the view that have maps. */
+static uint32_t shadows_count(const stilb_render_view *view)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < view->light_count; i++)
+		count += view->shadows->lights[i].map_count > 0;
+	return count;
+}
+
+stilb_result render_shadows_list(stilb_render *render, const stilb_render_view *view, render_light *out,
+                                 render_view_lights *lights)
+{
+	uint32_t count = render_view_has_buffer(render->device, view) ? shadows_count(view) : 0, place = 0;
+	if (count == 0 || count > STILB_RENDER_SHADOW_BUFFER_LIGHTS)
+		return STILB_OK;
+	uint32_t layers = (count + RENDER_SHADOW_LAYER - 1) / RENDER_SHADOW_LAYER;
+	uint32_t *list = render_claim(render, RENDER_MEMORY_LIGHT_LISTS, layers, &lights->term_list);
+	if (!list)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of %u shadowed lights", count);
+	for (int lamps = 0; lamps < 2; lamps++)
+		for (uint32_t i = 0; i < lights->count; i++) {
+			uint32_t kind = (uint32_t)out[i].kind;
+			if (kind < RENDER_LIGHT_SHADOW || (kind % 8 != STILB_SCENE_LIGHT_DIRECTIONAL) != (bool)lamps)
+				continue;
+			list[place++] = i;
+			out[i].kind += (float)(RENDER_LIGHT_PLACE * place);
+		}
+	lights->terms = place;
+	return STILB_OK;
+}
+
+/* ---- a frame ----------------------------------------------------------------------------------------------------- */
+
 stilb_result render_shadows_place(stilb_render *render, const stilb_render_view *view, render_view_lights *lights)
 {
 	const stilb_render_shadows *shadows = view->shadows;

@@ -1,11 +1,11 @@
 // What the fragment shaders of meshes and impostors share: a surface's material, and the light that it sends to the
 // viewer. Who includes it has declared `vec3 world_position`, the point that is lit, and `uint model_lights`, the word
 // of the model that it is of (mesh.glsl); 0: of none.
-#include "faded.glsl"
 #include "../../shading/shade_energy.h"
 #include "../../shading/shade_environment.h"
 #include "../../shading/shade_sh.h"
 #include "../../shading/shade_surface.h"
+#include "faded.glsl"
 
 // The materials that the program draws: 0 all, 1 those with an even index, 2 those with an odd one; others are black.
 // 3: the one whose address is bound.
@@ -19,21 +19,21 @@ layout(constant_id = 5) const int f = SHADE_F_SCHLICK;
 // The kinds of light in the view's list, 1 << SHADE_LIGHT_... each, and more bits (RENDER_LIGHTS_... of
 // render_internal.h). Only the code of these is left: software devices compute every branch for every pixel.
 layout(constant_id = 6) const uint lights = 1u << SHADE_LIGHT_DIRECTIONAL;
-const bool lights_end = (lights & 64u) != 0;    // some have a falloff that is not physical
-const bool lights_gloss = (lights & 128u) != 0; // highlights mirror sky and ground, or the harmonics
+const bool lights_end = (lights & 64u) != 0;       // some have a falloff that is not physical
+const bool lights_gloss = (lights & 128u) != 0;    // highlights mirror sky and ground, or the harmonics
 const bool lights_panorama = (lights & 256u) != 0; // its light in place of theirs
 const bool lights_dark = (lights & LIGHTS_AMBIENT) == LIGHTS_DARK;
 const bool lights_sh_vertex = (lights & LIGHTS_AMBIENT) == LIGHTS_SH_VERTEX;
 const bool lights_sh = (lights & LIGHTS_AMBIENT) >= LIGHTS_SH_VERTEX; // and SH_PIXEL
-const bool both_sides = (lights & 512u) != 0;   // triangles are seen from behind, too
-const bool lights_one = (lights & 1024u) != 0;  // the list has one light
-const bool adds_lights = (lights & 65536u) != 0; // they are added to what has been drawn, which has all else
-const bool lights_lists = (lights & 8192u) != 0; // lights that end somewhere are found by lists
-const bool lights_tiles = (lights & 262144u) != 0; // which are those of tiles
+const bool both_sides = (lights & 512u) != 0;                         // triangles are seen from behind, too
+const bool lights_one = (lights & 1024u) != 0;                        // the list has one light
+const bool adds_lights = (lights & 65536u) != 0;     // they are added to what has been drawn, which has all else
+const bool lights_lists = (lights & 8192u) != 0;     // lights that end somewhere are found by lists
+const bool lights_tiles = (lights & 262144u) != 0;   // which are those of tiles
 const bool lights_indexed = (lights & 524288u) != 0; // or those of pixels
 const bool lights_combined = (lights & LIGHTS_COMBINED) != 0; // models have lights of their own
-const bool lights_shadows = (lights & 1073741824u) != 0; // maps keep some from surfaces
-const bool lights_counted = (lights & (1u << 24)) != 0; // what is asked is counted, in place of its light
+const bool lights_shadows = (lights & 1073741824u) != 0;      // maps keep some from surfaces
+const bool lights_counted = (lights & (1u << 24)) != 0;       // what is asked is counted, in place of its light
 
 float counted = 0.0; // the lights that this pixel has asked
 
@@ -52,10 +52,9 @@ shade_material material_with(Material m, vec3 diffuse, vec3 specular, float roug
 	shade_reflectance reflectance = {diffuse, specular};
 	if (added.w != 0.0)
 		reflectance = shade_limit_to_one(diffuse, reflectance.specular + added.w);
-	return shade_material(reflectance.diffuse, reflectance.specular,
-		clamp(roughness + added.x, 0.0, 1.0),
-		clamp(m.specular_anisotropy.w + added.y, -1.0, 1.0),
-		clamp(m.emission_wrap.w + added.z, 0.0, 1.0));
+	return shade_material(reflectance.diffuse, reflectance.specular, clamp(roughness + added.x, 0.0, 1.0),
+	                      clamp(m.specular_anisotropy.w + added.y, -1.0, 1.0),
+	                      clamp(m.emission_wrap.w + added.z, 0.0, 1.0));
 }
 
 // The same with the material's own specular reflectance.
@@ -70,7 +69,8 @@ shade_frame frame_here(vec3 n)
 	return shade_frame_from_tangent(n, vec3(n.z, 0.0, -n.x)); // cross(up, n)
 }
 
-// Of the light that light_of was asked for last: 0: it has no shadow; else 2 (1 + its first map), + 1: of a cube's six.
+// Of the light that light_of was asked for last: 0: it has no shadow; else 2 (1 + its first map), + 1: of a cube's six;
+// and 512 (1 + its place in the buffer of shadows), where there is one.
 uint light_shadow = 0u;
 
 // A light of the view's list. Whole vec4s are loaded: if .xyz and .w are loaded separately, lavapipe (Mesa 22.3) reads
@@ -89,8 +89,8 @@ shade_light light_of(uint index)
 	int kind = int(position_kind.w);
 	light_shadow = uint(kind) >> 5;
 	return shade_light(kind & 7, lights_end ? kind >> 3 & 3 : SHADE_FALLOFF_PHYSICAL, position_kind.xyz,
-		direction_reach.xyz, intensity_inner.xyz, intensity_inner.w, half_x_outer.w, half_y_radius.w, half_x_outer.xyz,
-		half_y_radius.xyz, direction_reach.w);
+	                   direction_reach.xyz, intensity_inner.xyz, intensity_inner.w, half_x_outer.w, half_y_radius.w,
+	                   half_x_outer.xyz, half_y_radius.xyz, direction_reach.w);
 }
 
 // MESH_GBUFFER: programs that leave the light of lights to a pass over the picture (deferred.frag), and write what that
@@ -121,7 +121,7 @@ bool receives = (material_word & MATERIAL_UNSHADOWED) == 0u;
 #endif
 
 // Programs that add up lights by themselves.
-#if !defined(MESH_GBUFFER) && !defined(LIT_IMAGES) && !defined(MESH_CHANNEL) && !defined(MESH_SEEN) && \
+#if !defined(MESH_GBUFFER) && !defined(LIT_IMAGES) && !defined(MESH_CHANNEL) && !defined(MESH_SEEN) &&                 \
 	!defined(LIT_AROUND) && !defined(MAPS_DEPTH) && !defined(LIT_ALONE)
 #define LIT_SHADOWS
 #include "shadow/shadow.glsl"
@@ -155,8 +155,7 @@ vec3 from_light(shade_light light, shade_brdf_model model, shade_material materi
 #undef FROM_LIGHT
 #ifdef LIT_SHADOWS
 	if (lights_shadows && light_shadow != 0u && receives) {
-		float open = shadow_open(light_shadow, light.kind == SHADE_LIGHT_DIRECTIONAL, light.position,
-			seen.direction, frame.n);
+		vec3 open = shadow_factor(light.kind == SHADE_LIGHT_DIRECTIONAL, light.position, seen.direction, frame.n);
 		seen.irradiance *= open;
 		spread *= open;
 	}
@@ -224,8 +223,8 @@ vec3 from_others(vec3 n)
 	vec4 low = vec4(y.c[0], y.c[1], y.c[2], y.c[3]), high = vec4(y.c[4], y.c[5], y.c[6], y.c[7]);
 	vec3 irradiance = uintBitsToFloat(model_part(8u)).xyz * y.c[8];
 	for (uint c = 0u; c < 3u; c++)
-		irradiance[c] += dot(uintBitsToFloat(model_part(2u + 2u * c)), low) +
-			dot(uintBitsToFloat(model_part(3u + 2u * c)), high);
+		irradiance[c] +=
+			dot(uintBitsToFloat(model_part(2u + 2u * c)), low) + dot(uintBitsToFloat(model_part(3u + 2u * c)), high);
 	return shade_lambert(vec3(1.0)) * max(irradiance, 0.0);
 }
 
@@ -431,9 +430,38 @@ vec3 own_highlight(shade_material material, vec3 n, vec3 to_camera)
 #endif
 }
 
+// LIT_TERMS: programs that draw the buffer of shadows: of up to four lights the share that arrives.
+#ifdef LIT_TERMS
+vec4 terms = vec4(1.0); // of this pixel
+
+vec3 toward_light(shade_light light)
+{
+#define TOWARD_LIGHT(of_kind)                                                                                          \
+	if ((lights & (1u << of_kind)) != 0 && light.kind == of_kind) {                                                    \
+		light.kind = of_kind;                                                                                          \
+		return shade_light_at(light, world_position).direction;                                                        \
+	}
+	TOWARD_LIGHT(SHADE_LIGHT_POINT)
+	TOWARD_LIGHT(SHADE_LIGHT_SPOT)
+	TOWARD_LIGHT(SHADE_LIGHT_SPHERE)
+	TOWARD_LIGHT(SHADE_LIGHT_DISK)
+	TOWARD_LIGHT(SHADE_LIGHT_RECTANGLE)
+#undef TOWARD_LIGHT
+	return -light.direction;
+}
+
+void terms_write(vec3 n)
+{
+	for (uint i = 0u; i < push.view.light_count && receives; i++) {
+		shade_light light = light_of(ModelWords(push.view.lists).words[i]);
+		terms[i] = shadow_factor(light.kind == SHADE_LIGHT_DIRECTIONAL, light.position, toward_light(light), n).x;
+	}
+}
+#endif
+
 // LIT_AROUND: programs that draw what surfaces send on of the surroundings' light alone, in two parts.
 #ifdef LIT_AROUND
-layout(location = 1) out vec4 reflection; // behind what they send on evenly
+layout(location = 1) out vec4 reflection;                  // behind what they send on evenly
 vec3 around_even = vec3(0.0), around_mirrored = vec3(0.0); // of this pixel
 #endif
 
@@ -442,7 +470,10 @@ vec3 around_even = vec3(0.0), around_mirrored = vec3(0.0); // of this pixel
 vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 n, vec3 to_camera)
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
-#ifdef LIT_AROUND
+#ifdef LIT_TERMS
+	terms_write(frame_here(n).n);
+	return vec3(0.0);
+#elif defined(LIT_AROUND)
 	material = shade_surface_seen(model, material, dot(n, to_camera));
 	around_even = own_even_radiance(material.diffuse, n) * open;
 	around_mirrored = own_highlight(material, n, to_camera);
@@ -518,7 +549,7 @@ uint material_of_word(uint word)
 vec3 level_color(uint word, vec3 n, vec3 to_camera)
 {
 	const vec3 colors[7] = vec3[7](vec3(0.9), vec3(0.8, 0.08, 0.05), vec3(0.9, 0.35, 0.03), vec3(0.8, 0.7, 0.05),
-		vec3(0.1, 0.6, 0.1), vec3(0.05, 0.25, 0.85), vec3(0.45, 0.1, 0.75));
+	                               vec3(0.1, 0.6, 0.1), vec3(0.05, 0.25, 0.85), vec3(0.45, 0.1, 0.75));
 	uint level = (word & ~MATERIAL_UNSHADOWED) >> DETAIL_MATERIAL_SHIFT;
 	vec3 color = level == 0u ? vec3(0.25) : level == 1u ? colors[0] : colors[1u + (level - 2u) % 6u];
 	return adds_lights ? vec3(0.0) : color * (0.35 + 0.65 * abs(dot(n, to_camera)));
@@ -534,6 +565,9 @@ vec4 counted_color()
 vec4 picture_color(vec3 radiance, uint material)
 {
 	bool black = (drawn == 1u || drawn == 2u) && (material & 1) != drawn - 1;
+#ifdef LIT_TERMS
+	return sqrt(terms); // dark shares in finer steps, as the display has them
+#endif
 #ifdef LIT_AROUND
 	bool none = black || detail_kind == DETAIL_SHOW;
 	reflection = vec4(none ? vec3(0.0) : around_mirrored, 1.0);

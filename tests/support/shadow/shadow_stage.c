@@ -138,6 +138,14 @@ static void build_board(const stage_pieces *pieces)
 	place(pieces, pieces->plane, &matrix);
 }
 
+/* A wall without thickness that stands on the floor, 1 m high. */
+static void build_wall(const stage_pieces *pieces)
+{
+	place_floor(pieces);
+	stilb_mat4 matrix = {.m = {0, 0.5f, 0, 0, -1, 0, 0, 0, 0, 0, 4, 0, 0, 0.5f, 0, 1}}; /* y up to -x, x to y */
+	place(pieces, pieces->plane, &matrix);
+}
+
 stilb_scene *shadow_stage_scene(shadow_stage_kind kind, uint64_t seed, const stilb_scene_light *light)
 {
 	static const float grey[3] = {0.5f, 0.5f, 0.5f}, none[3] = {0};
@@ -158,6 +166,8 @@ stilb_scene *shadow_stage_scene(shadow_stage_kind kind, uint64_t seed, const sti
 		build_hall(&pieces, &state);
 	else if (kind == SHADOW_STAGE_CLUTTER)
 		build_clutter(&pieces, &state);
+	else if (kind == SHADOW_STAGE_WALL)
+		build_wall(&pieces);
 	else
 		build_board(&pieces);
 	stilb_scene_build_light(pieces.build, light);

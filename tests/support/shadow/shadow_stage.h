@@ -20,6 +20,7 @@ typedef enum shadow_stage_kind {
 	SHADOW_STAGE_HALL,    /* a hall with pillars and an open strip in its ceiling */
 	SHADOW_STAGE_CLUTTER, /* boxes and balls in all places and directions, some of them thin */
 	SHADOW_STAGE_BOARD,   /* a floor, and half of a plane above it at x < 0, 1 m high */
+	SHADOW_STAGE_WALL,    /* a floor, and a plane that stands on it at x = 0, 1 m high, 8 m long */
 	SHADOW_STAGE_KINDS
 } shadow_stage_kind;
 
