@@ -285,6 +285,7 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	stilb_cull_destroy(engine->cull);
 	engine->cull = cull;
 	engine->scene = scene;
+	stilb_post_forget(engine->post);
 	engine->peak.known = false;
 	engine->playing.seconds = engine->seconds;
 	engine->playing.step = 0.0;

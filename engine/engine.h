@@ -386,6 +386,7 @@ typedef struct stilb_engine_report {
 	stilb_engine_times times;
 	uint32_t textures_left; /* of the scene: not yet there (stilb_engine_textures) */
 	uint32_t visible;       /* number of models that the scene's own camera sees; render.draws are of all cameras */
+	float exposure;         /* stops that the scene's own camera shows light with: its own, and what adapts */
 	stilb_cull_method cull; /* the method by which they were found; never AUTO */
 	stilb_render_stats render;
 	uint32_t shadow_maps, shadow_maps_drawn; /* of the frame; those of them that nothing had drawn before as they are */

@@ -157,7 +157,7 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
 		.impostors = scene->impostor_count > 0,
-		.exposure = scene->camera.exposure,
+		.exposure = scene->camera.exposure + stilb_post_exposure(engine->post),
 		.time = (float)engine->seconds,
 		.tone = scene->camera.tone,
 		.dither = true,

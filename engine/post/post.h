@@ -4,6 +4,7 @@
  *
  * Chain      In this order, whatever was asked for first:
  *              occlusion  stage AMBIENT  ambient light where surfaces are in each other's way
+ *              exposure   stage LIGHT    how bright the light is, before the lens scatters it
  *              bloom      stage LIGHT    light that the lens scatters
  *            The tone map follows (render.h).
  * Occlusion  From the frame's depth, in half the size: how much of the hemisphere over each pixel is open, weighted by
@@ -16,9 +17,15 @@
  *            weights are those of a quadratic B-spline, whose sums are the same wherever a pixel lies, so that what
  *            moves does not flicker. NaN and infinite light stays where it is and scatters nothing.
  *            With FIXED the images between hold T(c) = c / (1 + c's largest channel) in 8 bits, half the bytes.
- * Place      Both are computed by programs of the device, or by the CPU's threads between two submissions: the same
+ * Place      These two are computed by programs of the device, or by the CPU's threads between two submissions: the same
  *            pixels but for rounding, which is between images in half floats there and in floats here; bloom_format is
  *            then of no account.
+ * Exposure   Each frame the device counts pixels by luminance, 16 classes a stop from 2^-16 to 2^16 W sr^-1 m^-2; NaN,
+ *            infinite and darker ones are left out. The mean of log2 of what lies between two percentiles is to be shown
+ *            as 0.18 of display white, and the exposure goes there: its distance d from there, in stops, falls by
+ *            min(a |d|, r) a second, which far away is r and near by 1 - exp(-a t), and is the same however the time is
+ *            cut into frames. What a frame counts is known two frames later, to the CPU, too, which gives all passes
+ *            one number. Without such counts the exposure stays.
  * Sources    Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion" (2008), and Jimenez, Wu, Pesce,
  *            Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion" (2016), for occlusion; Karis,
  *            "Tone mapping" (2013), for T; Jimenez, "Next Generation Post Processing in Call of Duty: Advanced
@@ -75,6 +82,14 @@ typedef struct stilb_post_settings {
 	                      large a part of larger ones; the widest about half of the picture */
 	stilb_post_bloom_format bloom_format; /* of the device's programs */
 	stilb_post_place place;
+	bool exposure_adapts; /* the exposure follows the light of frames; else there is no such row */
+	float exposure_low;   /* percentiles between which light counts, shares of the pixels that are counted, 0..1, the */
+	float exposure_high;  /* first below the second; both 0: 0.7 and 0.97 */
+	float exposure_speed; /* a, 1 / seconds, >= 0 and finite; 0: 2 */
+	float exposure_rate;  /* r, stops a second, >= 0 and finite; 0: 4 */
+	float
+		exposure_darkest; /* what the exposure lies between, stops, -32..32, the first below the second; both 0: -16 */
+	float exposure_brightest; /* and 16 */
 } stilb_post_settings;
 
 /* True if all numbers are finite and in their ranges. [any-thread] */
@@ -99,6 +114,30 @@ void stilb_post_set_pool(stilb_post *post, stilb_job_pool *pool);
 /* What the next replay's view into the main images sees: read are view_projection, camera_position, exposure. At first
  * a view of zeros, by which nothing is occluded. */
 void stilb_post_see(stilb_post *post, const stilb_render_view *view);
+
+/* ---- exposure that adapts ----------------------------------------------------------------------------------------
+ * Once a frame, before its views are made: adapt, then, while it is blind, a frame that nobody sees and look; then
+ * views get stilb_post_exposure. A program that does not look sees its first two frames at 0 stops. */
+
+/* Takes what the frame before the last has counted, and goes towards it for so long: seconds since the call before, >=
+ * 0 and finite. Waits for the device only if it has not finished that frame. The first counts, and those after
+ * stilb_post_forget, count at once. Does nothing where settings do not ask for it. STILB_ERROR_MEMORY,
+ * STILB_ERROR_DEVICE_LOST; the exposure then stays. */
+stilb_result stilb_post_adapt(stilb_post *post, float seconds);
+
+/* The exposure so far, stops; 0 before the first counts and where settings do not ask for one. What the program's
+ * cameras say comes on top of it. */
+float stilb_post_exposure(const stilb_post *post);
+
+/* True while settings ask for exposure and nothing has been counted since the start or stilb_post_forget. */
+bool stilb_post_is_blind(const stilb_post *post);
+
+/* Waits for the counts of the last replayed frame, and takes them at once. A frame that has none changes nothing, and
+ * it is not blind any more. Errors as stilb_post_adapt. */
+stilb_result stilb_post_look(stilb_post *post);
+
+/* Another scene comes: what it counts first is taken at once. */
+void stilb_post_forget(stilb_post *post);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

@@ -229,6 +229,9 @@ static void live_title(live_run *run)
 		return;
 	run->titled_ns = now;
 	run->program->title(run->user, run, title);
+	size_t length = strlen(title);
+	if (picture_flags_adapt(&run->options->picture))
+		snprintf(title + length, sizeof title - length, ", %+.1f EV", (double)run->report.exposure);
 	stilb_engine_set_title(run->engine, title);
 }
 
