@@ -20,8 +20,8 @@
  * Place      These two are computed by programs of the device, or by the CPU's threads between two submissions: the same
  *            pixels but for rounding, which is between images in half floats there and in floats here; bloom_format is
  *            then of no account.
- * Exposure   Each frame the device counts pixels by luminance, 16 classes a stop from 2^-16 to 2^16 W sr^-1 m^-2; NaN,
- *            infinite and darker ones are left out. The mean of log2 of what lies between two percentiles is to be shown
+ * Exposure   Each frame the device counts pixels by luminance, 16 classes a stop, from 2^-16 to 2^16 W sr^-1 m^-2;
+ *            others, NaN among them, are left out. The mean of log2 of what lies between two percentiles is to be shown
  *            as 0.18 of display white, and the exposure goes there: its distance d from there, in stops, falls by
  *            min(a |d|, r) a second, which far away is r and near by 1 - exp(-a t), and is the same however the time is
  *            cut into frames. What a frame counts is known two frames later, to the CPU, too, which gives all passes

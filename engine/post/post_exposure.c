@@ -1,5 +1,4 @@
-/* Exposure that adapts: the device counts pixels by luminance, the CPU finds the exposure that shows them well, and goes
- * there. */
+/* Exposure that adapts: the device counts pixels by luminance, the CPU finds what shows them well, and goes there. */
 #include "post/post_internal.h"
 
 #include <math.h>

@@ -205,7 +205,7 @@ static void picture_add_exposure(picture_flags *p, flag_rows *table)
 static void picture_add_tone(picture_flags *p, flag_rows *table)
 {
 	const flag tone[] = {{"--tone", FLAG_CHOICE, &p->tone, "NAME",
-	                      "tone map: none, knee, neutral or filmic (files: neutral, else knee)", 0, 0,
+	                      "none, knee, neutral, filmic, luminance, piecewise, hable (files: neutral, else knee)", 0, 0,
 	                      stilb_scene_tone_names}};
 	flag_rows_add(table, tone, 1);
 }
