@@ -570,6 +570,13 @@ void stilb_engine_set_post(stilb_engine *engine, const stilb_post_settings *sett
 	engine->desc.post = *settings;
 }
 
+stilb_result stilb_engine_set_grade(stilb_engine *engine, const stilb_post_table *table, const stilb_post_area *areas,
+                                    uint32_t area_count)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return stilb_post_set_grade(engine->post, table, areas, area_count);
+}
+
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])
 {
 	STILB_ASSERT(libraries);

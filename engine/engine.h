@@ -608,6 +608,11 @@ void stilb_engine_set_ambient(stilb_engine *engine, stilb_render_ambient ambient
 stilb_post_settings stilb_engine_post(const stilb_engine *engine);
 void stilb_engine_set_post(stilb_engine *engine, const stilb_post_settings *settings);
 
+/* Takes copies of a table of colours that frames look up after the tone map, NULL: none, and of areas with tables of
+ * their own, where the scene's camera stands (post.h). Errors as stilb_post_set_grade. [main-thread] */
+stilb_result stilb_engine_set_grade(stilb_engine *engine, const stilb_post_table *table, const stilb_post_area *areas,
+                                    uint32_t area_count);
+
 /* True while the window of lights is open, by which the user changes lights of the scene: who reads the scene on other
  * threads waits until it is closed. [main-thread] */
 bool stilb_engine_lights_shown(const stilb_engine *engine);

@@ -160,6 +160,7 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.exposure = scene->camera.exposure + stilb_post_exposure(engine->post),
 		.time = (float)engine->seconds,
 		.tone = scene->camera.tone,
+		.grade = stilb_post_grade(engine->post),
 		.dither = true,
 		.detail = engine->desc.detail,
 		.show = engine->desc.show,

@@ -141,10 +141,13 @@ static void update_clips(stilb_engine *engine)
 	stilb_scene_advance(engine->scene, seconds, engine->pool, FRAME_OWNER);
 }
 
-/* The exposure goes on, but while the scene is hidden: what hides it is shown with the same. */
+/* Exposure and grade go on, but while the scene is hidden: what hides it is shown with the same. */
 static stilb_result update_exposure(stilb_engine *engine)
 {
-	return engine->picture.hides_scene ? STILB_OK : stilb_post_adapt(engine->post, engine->step);
+	if (engine->picture.hides_scene)
+		return STILB_OK;
+	stilb_result result = stilb_post_stand(engine->post, engine->scene->camera.position);
+	return result == STILB_OK ? stilb_post_adapt(engine->post, engine->step) : result;
 }
 
 static stilb_result update_scene(stilb_engine *engine)

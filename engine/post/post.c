@@ -93,6 +93,7 @@ void stilb_post_destroy(stilb_post *post)
 		return;
 	stilb_render_remove_feature(post->render, post);
 	post_exposure_finish(post);
+	post_grade_finish(post);
 	for (uint32_t f = 0; f < STILB_POST_BLOOM_FORMATS_COUNT; f++)
 		for (uint32_t p = 0; p < POST_PROGRAMS; p++)
 			if (post->programs[f][p].id)

@@ -6,7 +6,7 @@
  *              occlusion  stage AMBIENT  ambient light where surfaces are in each other's way
  *              exposure   stage LIGHT    how bright the light is, before the lens scatters it
  *              bloom      stage LIGHT    light that the lens scatters
- *            The tone map follows (render.h).
+ *            The tone map follows, the grade, dither (render.h): one row.
  * Occlusion  From the frame's depth, in half the size: how much of the hemisphere over each pixel is open, weighted by
  *            the cosine; what is nearer than the radius hides its directions, less the farther it is. It darkens the
  *            image "ambient" alone (render_images.h), so views need ambient_apart, and pictures one sample a pixel: in
@@ -26,6 +26,11 @@
  *            min(a |d|, r) a second, which far away is r and near by 1 - exp(-a t), and is the same however the time is
  *            cut into frames. What a frame counts is known two frames later, to the CPU, too, which gives all passes
  *            one number. Without such counts the exposure stays.
+ * Grade      A table of colours (post_table.h) after the tone map, which views look up (stilb_render_view.grade). Areas
+ *            are boxes of the world with tables of their own: at its sides an area weighs a half, half of `blend` inside
+ *            of them 1, as far outside 0, by 3 t^2 - 2 t^3; so two rooms that share a wall, or a doorway, together weigh
+ *            1 everywhere between. Weights that sum to more than 1 are divided by their sum; what they leave is for the
+ *            table without an area. What is seen is the same mean of what these tables show, as the camera stands.
  * Sources    Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion" (2008), and Jimenez, Wu, Pesce,
  *            Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion" (2016), for occlusion; Karis,
  *            "Tone mapping" (2013), for T; Jimenez, "Next Generation Post Processing in Call of Duty: Advanced
@@ -38,6 +43,7 @@
 
 #include "base/base.h"
 #include "jobs/job.h"
+#include "post/post_table.h"
 #include "render/render.h"
 
 #ifdef __cplusplus
@@ -115,6 +121,31 @@ void stilb_post_set_pool(stilb_post *post, stilb_job_pool *pool);
  * a view of zeros, by which nothing is occluded. */
 void stilb_post_see(stilb_post *post, const stilb_render_view *view);
 
+/* ---- grade ------------------------------------------------------------------------------------------------------- */
+
+typedef struct stilb_post_area {
+	float low[3], high[3];         /* the box, metres in the world; low < high */
+	float blend;                   /* metres, >= 0 and finite, that are half inside and half outside; 0: a step */
+	float exposure;                /* stops that it adds, -32..32 */
+	const stilb_post_table *table; /* NULL: that of no area */
+} stilb_post_area;
+
+#define STILB_POST_MAX_AREAS 64u
+
+/* Takes copies of the table outside of areas, NULL: colours are as they are, and of the areas, 0..STILB_POST_MAX_AREAS.
+ * STILB_ERROR_MEMORY: what was set before stays. */
+stilb_result stilb_post_set_grade(stilb_post *post, const stilb_post_table *table, const stilb_post_area *areas,
+                                  uint32_t count);
+
+/* Where the camera stands in the next frame: once a frame, before views get stilb_post_grade and stilb_post_exposure.
+ * Does nothing while weights stay what they are. Tables of which several weigh are resampled to one of at most 33
+ * entries a side. STILB_ERROR_ARGUMENT: the device has no such large images; STILB_ERROR_MEMORY,
+ * STILB_ERROR_DEVICE_LOST; the grade then stays. */
+stilb_result stilb_post_stand(stilb_post *post, const float position[3]);
+
+/* For stilb_render_view.grade, until the next stilb_post_stand; NULL: colours are as they are. */
+const stilb_render_grade *stilb_post_grade(const stilb_post *post);
+
 /* ---- exposure that adapts ----------------------------------------------------------------------------------------
  * Once a frame, before its views are made: adapt, then, while it is blind, a frame that nobody sees and look; then
  * views get stilb_post_exposure. A program that does not look sees its first two frames at 0 stops. */
@@ -125,8 +156,8 @@ void stilb_post_see(stilb_post *post, const stilb_render_view *view);
  * STILB_ERROR_DEVICE_LOST; the exposure then stays. */
 stilb_result stilb_post_adapt(stilb_post *post, float seconds);
 
-/* The exposure so far, stops; 0 before the first counts and where settings do not ask for one. What the program's
- * cameras say comes on top of it. */
+/* The exposure so far, stops, and what areas add; without either 0. What the program's cameras say comes on top of
+ * it. */
 float stilb_post_exposure(const stilb_post *post);
 
 /* True while settings ask for exposure and nothing has been counted since the start or stilb_post_forget. */

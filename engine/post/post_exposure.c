@@ -177,7 +177,7 @@ stilb_result stilb_post_adapt(stilb_post *post, float seconds)
 float stilb_post_exposure(const stilb_post *post)
 {
 	STILB_ASSERT(post);
-	return post->meter.exposure;
+	return post->meter.exposure + post->grading.exposure;
 }
 
 bool stilb_post_is_blind(const stilb_post *post)

@@ -46,6 +46,27 @@ typedef struct post_meter {
 	post_counts coming; /* of the frame before the last */
 } post_meter;
 
+/* ---- grade ---- */
+
+#define POST_GRADE_BLENDED 33u /* entries a side of what several tables are blended to, at most */
+
+typedef struct post_grading {
+	stilb_post_table *tables[STILB_POST_MAX_AREAS + 1]; /* copies: of the areas, and behind them that of no area */
+	stilb_post_area areas[STILB_POST_MAX_AREAS];        /* .table: of these, or NULL */
+	uint32_t count;
+	float weights[STILB_POST_MAX_AREAS]; /* of what `shown` is made of */
+	bool known;                          /* weights count */
+	float exposure;                      /* stops of the areas */
+	stilb_gpu_image image;
+	uint32_t width, height, depth; /* of the image */
+	stilb_render_grade shown;
+	bool shows; /* there is a table to be seen */
+} post_grading;
+
+/* What each area weighs at this place: weights[count], whose sum is at most 1. Returns what is left for no area. */
+float post_grade_weights(const stilb_post_area *areas, uint32_t count, const float position[3], float *weights);
+void post_grade_finish(stilb_post *post);
+
 /* The exposure that shows the mean of what lies between the percentiles as grey, stops. counts:
  * [POST_EXPOSURE_CLASSES]. False: nothing was counted. */
 bool post_exposure_of(const uint64_t *counts, const stilb_post_settings *settings, float *stops);
@@ -62,6 +83,7 @@ struct stilb_post {
 	bool sees;            /* from_clip is there */
 	stilb_mat4 from_clip; /* to the world's directions, around the camera */
 	post_meter meter;
+	post_grading grading;
 	bool shows_light; /* the main view's image is light, not counts or a channel of materials */
 	stilb_gpu_sampler linear;
 	post_cpu *cpu; /* NULL: nothing was computed by the CPU yet */

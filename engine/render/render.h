@@ -623,6 +623,18 @@ typedef struct stilb_render_shadows {
 	float map_error, view_error;
 } stilb_render_shadows;
 
+/* A table of colours in which the tone map looks up what it shows, before dither. What is looked up, and what stands
+ * there, are codes of sRGB over 255, which may lie outside of 0..1. Between entries it is linear in each of the six
+ * tetrahedra that share the grey diagonal of a cell of eight entries; so greys depend on greys alone. Source: Kang, "Color
+ * technology for electronic imaging devices" (1997), 4.3, for interpolation in tetrahedra. */
+typedef struct stilb_render_grade {
+	stilb_gpu_image table; /* rgba32_f, of shape 3D: size x size x size, red along x, green along y; curves: 256 wide,
+	                          entry i at x = i % 256, y = i / 256 */
+	uint32_t size;         /* entries a side, 2..256; curves: 2..65,536 */
+	bool curves;           /* each channel has a curve of its own */
+	float low[3], high[3]; /* the codes of the first and the last entry; beyond these the nearest counts */
+} stilb_render_grade;
+
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
  * are compiled during stilb_render_replay, which then takes some milliseconds, and kept. */
 typedef struct stilb_render_view {
@@ -679,8 +691,9 @@ typedef struct stilb_render_view {
 	stilb_render_show show;
 	float time; /* seconds; surface functions get it (scene_function.h). Beyond 16,384 s it goes by steps of 2 ms */
 	/* How the picture shows radiance with output DISPLAY; those of the target's first pass count. */
-	float exposure; /* stops: radiance is multiplied by 2^exposure before the tone map */
-	uint32_t tone;  /* SHADE_TONE_... of shading/shade_tonemap.h */
+	float exposure;                  /* stops: radiance is multiplied by 2^exposure before the tone map */
+	uint32_t tone;                   /* SHADE_TONE_... of shading/shade_tonemap.h */
+	const stilb_render_grade *grade; /* NULL: none. Of light alone; likewise with output DISPLAY. Read during replay */
 	bool dither; /* what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen */
 } stilb_render_view;
 

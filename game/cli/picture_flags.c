@@ -197,7 +197,7 @@ static void picture_add_look(picture_flags *p, flag_rows *table)
 static void picture_add_exposure(picture_flags *p, flag_rows *table)
 {
 	const flag exposure[] = {{"--exposure", FLAG_TEXT, &p->exposure, "EV|auto|adapt",
-	                          "brighter by 2^EV, -32..32; auto: by the lights; adapt: by what frames show (0)", 0, 0,
+	                          "brighter by 2^EV, -32..32; auto: by the lights; adapt: by what is seen (0)", 0, 0,
 	                          NULL}};
 	flag_rows_add(table, exposure, 1);
 }
@@ -205,7 +205,7 @@ static void picture_add_exposure(picture_flags *p, flag_rows *table)
 static void picture_add_tone(picture_flags *p, flag_rows *table)
 {
 	const flag tone[] = {{"--tone", FLAG_CHOICE, &p->tone, "NAME",
-	                      "none, knee, neutral, filmic, luminance, piecewise, hable (files: neutral, else knee)", 0, 0,
+	                      "knee, neutral, filmic, luminance, piecewise, hable or none (files: neutral)", 0, 0,
 	                      stilb_scene_tone_names}};
 	flag_rows_add(table, tone, 1);
 }
@@ -225,6 +225,8 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 	     stilb_post_bloom_format_names},
 		{"--post", FLAG_CHOICE, &p->post_place, "WHO",
 	     "computes bloom and --ao: gpu, cpu, or auto: cpu on software devices (auto)", 0, 0, stilb_post_place_names},
+		{"--grade", FLAG_TEXT, &p->grade, "FILE.cube", "a table of colours that the picture is shown through (none)", 0,
+	     0, NULL},
 	};
 	flag_rows_add(table, post, sizeof post / sizeof *post);
 }

@@ -580,7 +580,7 @@ static const struct damage {
 	{RENDER_DUMP_HEADER, HEADER(levels), 3, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(streams), 1, "header: its vertices have other streams"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x43000000, "view 0: its exposure is not within 100 stops"},
-	{RENDER_DUMP_VIEWS, VIEW(tone), 4, "view 0: unknown tone map 4, dither 0"},
+	{RENDER_DUMP_VIEWS, VIEW(tone), 7, "view 0: unknown tone map 7, dither 0"},
 	{RENDER_DUMP_VIEWS, VIEW(dither), 2, "view 0: unknown tone map 0, dither 2"},
 	{RENDER_DUMP_VIEWS, VIEW(target), 2, "view 0: target 2, but there are 1"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x7fc00000, "view 0: its exposure is not within 100 stops"},
