@@ -142,6 +142,11 @@ void engine_prepare_drop(engine_prepare **prepare)
 
 stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *scene)
 {
+	static const stilb_render_dither dithers[STILB_POST_DITHERS_COUNT] = {
+		[STILB_POST_DITHER_ORDERED] = STILB_RENDER_DITHER_ORDERED,
+		[STILB_POST_DITHER_TRIANGULAR] = STILB_RENDER_DITHER_TRIANGULAR,
+		[STILB_POST_DITHER_OFF] = STILB_RENDER_DITHER_OFF,
+	};
 	stilb_render_view view = {
 		.surroundings = scene->surroundings,
 		.backdrop = scene->backdrop,
@@ -161,7 +166,7 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.time = (float)engine->seconds,
 		.tone = scene->camera.tone,
 		.grade = stilb_post_grade(engine->post),
-		.dither = true,
+		.dither = dithers[engine->desc.post.dither],
 		.detail = engine->desc.detail,
 		.show = engine->desc.show,
 	};

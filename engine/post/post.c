@@ -10,6 +10,7 @@
 #define POST_NAME(id, name, text) name,
 const char *const stilb_post_bloom_format_names[] = {STILB_POST_BLOOM_FORMATS(POST_NAME) NULL};
 const char *const stilb_post_place_names[] = {STILB_POST_PLACES(POST_NAME) NULL};
+const char *const stilb_post_dither_names[] = {STILB_POST_DITHERS(POST_NAME) NULL};
 
 static bool post_is_share(float value)
 {
@@ -22,7 +23,8 @@ bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
 	return post_is_share(settings->occlusion) && settings->occlusion_radius >= 0.0f &&
 	       isfinite(settings->occlusion_radius) && post_is_share(settings->bloom) &&
 	       post_is_share(settings->bloom_width) && (unsigned)settings->bloom_format < STILB_POST_BLOOM_FORMATS_COUNT &&
-	       (unsigned)settings->place < STILB_POST_PLACES_COUNT && post_exposure_is_valid(settings);
+	       (unsigned)settings->place < STILB_POST_PLACES_COUNT &&
+	       (unsigned)settings->dither < STILB_POST_DITHERS_COUNT && post_exposure_is_valid(settings);
 }
 
 /* ---- the chain --------------------------------------------------------------------------------------------------- */

@@ -27,10 +27,10 @@
  *            cut into frames. What a frame counts is known two frames later, to the CPU, too, which gives all passes
  *            one number. Without such counts the exposure stays.
  * Grade      A table of colours (post_table.h) after the tone map, which views look up (stilb_render_view.grade). Areas
- *            are boxes of the world with tables of their own: at its sides an area weighs a half, half of `blend` inside
- *            of them 1, as far outside 0, by 3 t^2 - 2 t^3; so two rooms that share a wall, or a doorway, together weigh
- *            1 everywhere between. Weights that sum to more than 1 are divided by their sum; what they leave is for the
- *            table without an area. What is seen is the same mean of what these tables show, as the camera stands.
+ *            are boxes of the world with tables of their own: at its sides an area weighs a half, half of `blend` in it
+ *            1, as far outside 0, by 3 t^2 - 2 t^3; so two rooms that share a wall, or a doorway, together weigh 1
+ *            everywhere between. Weights that sum to more than 1 are divided by their sum; what they leave is for the
+ *            table of no area. What is seen is the same mean of what these tables show, as the camera stands.
  * Sources    Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion" (2008), and Jimenez, Wu, Pesce,
  *            Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion" (2016), for occlusion; Karis,
  *            "Tone mapping" (2013), for T; Jimenez, "Next Generation Post Processing in Call of Duty: Advanced
@@ -78,6 +78,21 @@ typedef enum stilb_post_place { STILB_POST_PLACES(STILB_POST_PLACE_ENUM) STILB_P
 /* Their identifiers, NULL-terminated; the index is the stilb_post_place. */
 extern const char *const stilb_post_place_names[];
 
+/* What is done before 8 bits (stilb_render_dither). */
+#define STILB_POST_DITHERS(X)                                                                                          \
+	X(ORDERED, "ordered", "up to half a code, by a pattern")                                                           \
+	X(TRIANGULAR, "triangular", "up to a code, without one")                                                           \
+	X(OFF, "off", "codes are the nearest ones")
+
+#define STILB_POST_DITHER_ENUM(id, ...) STILB_POST_DITHER_##id,
+typedef enum stilb_post_dither {
+	STILB_POST_DITHERS(STILB_POST_DITHER_ENUM) STILB_POST_DITHERS_COUNT
+} stilb_post_dither;
+#undef STILB_POST_DITHER_ENUM
+
+/* Likewise; the index is the stilb_post_dither. */
+extern const char *const stilb_post_dither_names[];
+
 /* {0}: no effect. */
 typedef struct stilb_post_settings {
 	float occlusion;        /* by how much ambient light is darker where it is hidden, 0..1; 0: there is no such row */
@@ -88,7 +103,8 @@ typedef struct stilb_post_settings {
 	                      large a part of larger ones; the widest about half of the picture */
 	stilb_post_bloom_format bloom_format; /* of the device's programs */
 	stilb_post_place place;
-	bool exposure_adapts; /* the exposure follows the light of frames; else there is no such row */
+	stilb_post_dither dither; /* of pictures of 8 bits */
+	bool exposure_adapts;     /* the exposure follows the light of frames; else there is no such row */
 	float exposure_low;   /* percentiles between which light counts, shares of the pixels that are counted, 0..1, the */
 	float exposure_high;  /* first below the second; both 0: 0.7 and 0.97 */
 	float exposure_speed; /* a, 1 / seconds, >= 0 and finite; 0: 2 */

@@ -3,12 +3,12 @@
  * photographs write.
  *
  * Meaning   What is looked up, and what stands there, are codes of sRGB over 255. In a cube of size^3 colours it is
- *           linear in each of six tetrahedra of eight neighbours; of curves, one a channel, between two entries. Outside
- *           of the domain the nearest entry counts.
+ *           linear in each of six tetrahedra of a cell; of curves, one a channel, between two entries. Outside of the
+ *           domain the nearest entry counts.
  * Format    Lines of at most 250 bytes of text; blank ones and those that begin with # are comments. TITLE "text",
- *           LUT_3D_SIZE 2..256 or LUT_1D_SIZE 2..65536, DOMAIN_MIN and DOMAIN_MAX with three numbers each (0 and 1), or
- *           LUT_3D_INPUT_RANGE, LUT_1D_INPUT_RANGE with two, as other programs write; then as many lines of three finite
- *           numbers as there are colours, red fastest.
+ *           LUT_3D_SIZE 2..256 or LUT_1D_SIZE 2..65536, DOMAIN_MIN and DOMAIN_MAX with three numbers each (0 and 1),
+ *           or LUT_3D_INPUT_RANGE, LUT_1D_INPUT_RANGE with two, as other programs write; then as many lines of three
+ *           finite numbers as there are colours, red fastest.
  * Source    Adobe, "Cube LUT Specification Version 1.0" (2013).
  * Example.
  *

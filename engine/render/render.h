@@ -623,10 +623,24 @@ typedef struct stilb_render_shadows {
 	float map_error, view_error;
 } stilb_render_shadows;
 
+/* How what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen; the same for all
+ * channels, by the pixel alone.
+ *   ORDERED     up to half a code, by an 8 x 8 pattern of blue noise: what is a code stays it
+ *   TRIANGULAR  up to a code, more often less, so that neither the mean nor the noise depends on where between two
+ *               codes the light is; at the ends as much as the display has room for. By interleaved gradient noise,
+ *               which no tile repeats.
+ * Sources: Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare" (2014), for that noise;
+ * Lipshitz, Wannamaker, Vanderkooy, "Quantization and dither: a theoretical survey" (1992), for triangles. */
+typedef enum stilb_render_dither {
+	STILB_RENDER_DITHER_OFF,
+	STILB_RENDER_DITHER_ORDERED,
+	STILB_RENDER_DITHER_TRIANGULAR,
+	STILB_RENDER_DITHERS
+} stilb_render_dither;
+
 /* A table of colours in which the tone map looks up what it shows, before dither. What is looked up, and what stands
  * there, are codes of sRGB over 255, which may lie outside of 0..1. Between entries it is linear in each of the six
- * tetrahedra that share the grey diagonal of a cell of eight entries; so greys depend on greys alone. Source: Kang, "Color
- * technology for electronic imaging devices" (1997), 4.3, for interpolation in tetrahedra. */
+ * tetrahedra that share the grey diagonal of a cell of eight entries; so greys depend on greys alone. */
 typedef struct stilb_render_grade {
 	stilb_gpu_image table; /* rgba32_f, of shape 3D: size x size x size, red along x, green along y; curves: 256 wide,
 	                          entry i at x = i % 256, y = i / 256 */
@@ -694,7 +708,7 @@ typedef struct stilb_render_view {
 	float exposure;                  /* stops: radiance is multiplied by 2^exposure before the tone map */
 	uint32_t tone;                   /* SHADE_TONE_... of shading/shade_tonemap.h */
 	const stilb_render_grade *grade; /* NULL: none. Of light alone; likewise with output DISPLAY. Read during replay */
-	bool dither; /* what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen */
+	stilb_render_dither dither;
 } stilb_render_view;
 
 /* The largest BRDF times cosine that a surface of the scene may have, sr^-1, shaded like that: the bound of

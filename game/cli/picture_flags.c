@@ -225,6 +225,9 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 	     stilb_post_bloom_format_names},
 		{"--post", FLAG_CHOICE, &p->post_place, "WHO",
 	     "computes bloom and --ao: gpu, cpu, or auto: cpu on software devices (auto)", 0, 0, stilb_post_place_names},
+		{"--dither", FLAG_CHOICE, &p->dither, "KIND",
+	     "of 8-bit codes: ordered (by half a code), triangular (by one, without a pattern) or off (ordered)", 0, 0,
+	     stilb_post_dither_names},
 		{"--grade", FLAG_TEXT, &p->grade, "FILE.cube", "a table of colours that the picture is shown through (none)", 0,
 	     0, NULL},
 	};
@@ -266,6 +269,7 @@ stilb_post_settings picture_flags_post(const picture_flags *p)
 	                             .bloom_width = p->bloom_width,
 	                             .bloom_format = (stilb_post_bloom_format)p->bloom_format,
 	                             .place = (stilb_post_place)p->post_place,
+	                             .dither = (stilb_post_dither)p->dither,
 	                             .exposure_adapts = picture_flags_adapt(p)};
 }
 

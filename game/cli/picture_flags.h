@@ -40,6 +40,7 @@ typedef struct picture_flags {
 	uint64_t samples;                            /* 0 if not given */
 	uint64_t max_anisotropy;                     /* 0 if not given */
 	float occlusion, occlusion_radius;           /* of stilb_post_settings */
+	int dither;                                  /* a stilb_post_dither */
 	const char *grade;                           /* NULL if not given */
 	float bloom, bloom_width;                    /* likewise */
 	int bloom_format, post_place;                /* a stilb_post_bloom_format, a stilb_post_place */

@@ -1,5 +1,5 @@
-/* Grading on the device beside the same on the CPU: cubes and curves after each tone map, what stays as it is, and areas
- * that blend at doorways. */
+/* Grading on the device beside the same on the CPU: cubes and curves after each tone map, what stays as it is, and
+ * areas that blend at doorways. */
 #include "engine_internal.h"
 #include "post/post_internal.h"
 #include "post_stage.h"

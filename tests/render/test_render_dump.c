@@ -581,7 +581,7 @@ static const struct damage {
 	{RENDER_DUMP_HEADER, HEADER(streams), 1, "header: its vertices have other streams"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x43000000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_VIEWS, VIEW(tone), 7, "view 0: unknown tone map 7, dither 0"},
-	{RENDER_DUMP_VIEWS, VIEW(dither), 2, "view 0: unknown tone map 0, dither 2"},
+	{RENDER_DUMP_VIEWS, VIEW(dither), 3, "view 0: unknown tone map 0, dither 3"},
 	{RENDER_DUMP_VIEWS, VIEW(target), 2, "view 0: target 2, but there are 1"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x7fc00000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_VIEWS, VIEW(time), 0x7fc00000, "view 0: its time is not finite"},

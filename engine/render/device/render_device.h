@@ -110,7 +110,7 @@ typedef struct render_velocity_push {
 /* Constants of shaders/resolve.frag and tone.frag. */
 typedef struct render_tone_push {
 	float exposure;                   /* factor of radiance */
-	uint32_t dither;                  /* 0, 1 */
+	uint32_t dither;                  /* stilb_render_dither */
 	int32_t left, top, width, height; /* of the rectangle of the picture that is filled */
 	int32_t border;
 	int32_t grade_size;
@@ -357,7 +357,7 @@ typedef struct render_frame_target {
 	uint32_t tone; /* SHADE_TONE_... or RENDER_TONE_... */
 	bool data;     /* there is something else in the place of radiance */
 	float exposure;
-	bool dither;
+	stilb_render_dither dither;
 	const stilb_render_grade *grade; /* NULL: none. The caller's, during replay alone */
 } render_frame_target;
 

@@ -448,7 +448,7 @@ static stilb_result frame_first(render_device *device, const render_stream *stre
 	target->data = render_view_is_data(view);
 	target->transparent = frame_is_transparent(view);
 	target->exposure = target->data ? 1.0f : exp2f(view->exposure);
-	target->dither = view->dither && !target->data && view->show != STILB_RENDER_SHOW_ERROR;
+	target->dither = target->data || view->show == STILB_RENDER_SHOW_ERROR ? STILB_RENDER_DITHER_OFF : view->dither;
 	target->tone = render_view_tone(view);
 	target->grade = device->output == STILB_RENDER_OUTPUT_DISPLAY && !target->data && target->tone < SHADE_TONE_COUNT
 	                    ? view->grade

@@ -159,7 +159,8 @@ static bool target_place(const render_device *device, const render_frame_target 
 	return target->color != 0 && place[2] > 0;
 }
 
-/* A fullscreen pass that samples `from`, besides what its row has already, and fills an area of `to`, all zeros: all of it. */
+/* A fullscreen pass that samples `from`, besides what its row has already, and fills an area of `to`, all zeros: all
+ * of it. */
 static void target_screen(render_device *device, stilb_gpu_pass row, uint16_t from, stilb_gpu_attachment to,
                           stilb_gpu_sampler sampler, render_tone_push push)
 {

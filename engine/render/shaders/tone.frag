@@ -12,8 +12,8 @@ layout(constant_id = 2) const bool placed = false; // light is shown in a rectan
 layout(push_constant, std430) uniform Push
 {
 	float exposure; // factor of radiance
-	uint dither;
-	ivec2 corner; // of the rectangle
+	uint dither;    // stilb_render_dither
+	ivec2 corner;   // of the rectangle
 	ivec2 size;
 	int border; // pixels at its edges that are black
 	int grade_size;
@@ -39,6 +39,22 @@ vec3 dithered(vec3 shown)
 	vec3 root = sqrt(max(shown, 0.0));
 	vec3 slope = max(2.275 * root * (0.5 + 0.5 * sqrt(root)), 0.0774);
 	return max(shown + slope * (noise / 255.0), 0.0);
+}
+
+// The code with up to one more or less, evenly about itself: -1 .. 1, of which x comes with the weight 1 - |x|.
+float dithered_evenly(float light, float noise)
+{
+	float code = 255.0 * shade_srgb_from_linear(clamp(light, 0.0, 1.0));
+	float room = min(min(code, 255.0 - code) + 0.5, 1.0);
+	float away = 2.0 * noise - 1.0, share = sign(away) * (1.0 - sqrt(1.0 - abs(away)));
+	return shade_srgb_to_linear(clamp(code + room * share, 0.0, 255.0) / 255.0);
+}
+
+vec3 dithered_by_triangle(vec3 shown)
+{
+	vec2 pixel = floor(gl_FragCoord.xy);
+	float noise = fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+	return vec3(dithered_evenly(shown.r, noise), dithered_evenly(shown.g, noise), dithered_evenly(shown.b, noise));
 }
 
 // RENDER_TONE_DATA and RENDER_TONE_COUNT, of channels in the place of light (scene_channel.h).
@@ -128,7 +144,9 @@ void main()
 #ifdef TONE_GRADE
 	shown = graded(shown);
 #endif
-	if (push.dither != 0u)
+	if (push.dither == 1u)
 		shown = dithered(shown);
+	if (push.dither == 2u)
+		shown = dithered_by_triangle(shown);
 	color = vec4(shown * texel.a, texel.a); // premultiplied
 }
