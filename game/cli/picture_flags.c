@@ -226,7 +226,7 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 		{"--post", FLAG_CHOICE, &p->post_place, "WHO",
 	     "computes bloom and --ao: gpu, cpu, or auto: cpu on software devices (auto)", 0, 0, stilb_post_place_names},
 		{"--dither", FLAG_CHOICE, &p->dither, "KIND",
-	     "of 8-bit codes: ordered (by half a code), triangular (by one, without a pattern) or off (ordered)", 0, 0,
+	     "of 8-bit codes: ordered (by half a code), triangular (by one) or off (ordered)", 0, 0,
 	     stilb_post_dither_names},
 		{"--grade", FLAG_TEXT, &p->grade, "FILE.cube", "a table of colours that the picture is shown through (none)", 0,
 	     0, NULL},

@@ -233,7 +233,8 @@ static void without_it_there_is_no_row(void **state)
 	light_even(&s, 0.5f);
 	stage_draw(&s);
 	uint32_t plain = stilb_gpu_plan_passes(stilb_render_plan(s.render));
-	stilb_post_set(s.post, &(stilb_post_settings){.exposure_adapts = true, .bloom = 0.1f});
+	stilb_post_set(s.post,
+	               &(stilb_post_settings){.exposure_adapts = true, .bloom = 0.1f, .place = STILB_POST_PLACE_GPU});
 	stage_draw(&s);
 	const stilb_gpu_plan *plan = stilb_render_plan(s.render);
 	uint32_t exposure = UINT32_MAX, bloom = 0;
