@@ -294,6 +294,7 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	stilb_cull_destroy(engine->cull);
 	engine->cull = cull;
 	engine->scene = scene;
+	stilb_post_forget(engine->post);
 	engine->peak.known = false;
 	engine->playing.seconds = engine->seconds;
 	engine->playing.step = 0.0;
@@ -576,6 +577,13 @@ void stilb_engine_set_post(stilb_engine *engine, const stilb_post_settings *sett
 		          stilb_render_samples(engine->render));
 	stilb_post_set(engine->post, settings);
 	engine->desc.post = *settings;
+}
+
+stilb_result stilb_engine_set_grade(stilb_engine *engine, const stilb_post_table *table, const stilb_post_area *areas,
+                                    uint32_t area_count)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return stilb_post_set_grade(engine->post, table, areas, area_count);
 }
 
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])

@@ -431,6 +431,7 @@ typedef struct stilb_engine_report {
 	stilb_engine_times times;
 	uint32_t textures_left; /* of the scene: not yet there (stilb_engine_textures) */
 	uint32_t visible;       /* number of models that the scene's own camera sees; render.draws are of all cameras */
+	float exposure;         /* stops that the scene's own camera shows light with: its own, and what adapts */
 	stilb_cull_method cull; /* the method by which they were found; never AUTO */
 	stilb_render_stats render;
 	uint32_t shadow_maps, shadow_maps_drawn; /* of the frame; those of them that nothing had drawn before as they are */
@@ -651,6 +652,11 @@ void stilb_engine_set_ambient(stilb_engine *engine, stilb_render_ambient ambient
  * [main-thread] */
 stilb_post_settings stilb_engine_post(const stilb_engine *engine);
 void stilb_engine_set_post(stilb_engine *engine, const stilb_post_settings *settings);
+
+/* Takes copies of a table of colours that frames look up after the tone map, NULL: none, and of areas with tables of
+ * their own, where the scene's camera stands (post.h). Errors as stilb_post_set_grade. [main-thread] */
+stilb_result stilb_engine_set_grade(stilb_engine *engine, const stilb_post_table *table, const stilb_post_area *areas,
+                                    uint32_t area_count);
 
 /* True while the window of lights is open, by which the user changes lights of the scene: who reads the scene on other
  * threads waits until it is closed. [main-thread] */

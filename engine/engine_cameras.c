@@ -131,7 +131,7 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 	memcpy(view->camera_position, camera->position, sizeof view->camera_position);
 	stilb_scene_surface_channel channel;
 	if (!stilb_render_show_channel(view->show, &channel)) {
-		view->exposure = camera->exposure;
+		view->exposure = camera->exposure + stilb_post_exposure(engine->post);
 		view->tone = camera->tone;
 	}
 	if (view->show == STILB_RENDER_SHOW_CASCADES || view->show == STILB_RENDER_SHOW_ACNE)

@@ -142,6 +142,11 @@ void engine_prepare_drop(engine_prepare **prepare)
 
 stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *scene)
 {
+	static const stilb_render_dither dithers[STILB_POST_DITHERS_COUNT] = {
+		[STILB_POST_DITHER_ORDERED] = STILB_RENDER_DITHER_ORDERED,
+		[STILB_POST_DITHER_TRIANGULAR] = STILB_RENDER_DITHER_TRIANGULAR,
+		[STILB_POST_DITHER_OFF] = STILB_RENDER_DITHER_OFF,
+	};
 	stilb_render_view view = {
 		.surroundings = scene->surroundings,
 		.backdrop = scene->backdrop,
@@ -158,10 +163,11 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
 		.impostors = scene->impostor_count > 0,
-		.exposure = scene->camera.exposure,
+		.exposure = scene->camera.exposure + stilb_post_exposure(engine->post),
 		.time = (float)engine->seconds,
 		.tone = scene->camera.tone,
-		.dither = true,
+		.grade = stilb_post_grade(engine->post),
+		.dither = dithers[engine->desc.post.dither],
 		.detail = engine->desc.detail,
 		.show = engine->desc.show,
 	};

@@ -141,6 +141,15 @@ static void update_clips(stilb_engine *engine)
 	stilb_scene_advance(engine->scene, seconds, engine->pool, FRAME_OWNER);
 }
 
+/* Exposure and grade go on, but while the scene is hidden: what hides it is shown with the same. */
+static stilb_result update_exposure(stilb_engine *engine)
+{
+	if (engine->picture.hides_scene)
+		return STILB_OK;
+	stilb_result result = stilb_post_stand(engine->post, engine->scene->camera.position);
+	return result == STILB_OK ? stilb_post_adapt(engine->post, engine->step) : result;
+}
+
 static stilb_result update_scene(stilb_engine *engine)
 {
 	PROFILE("scene update");
@@ -160,8 +169,10 @@ static stilb_result update_scene(stilb_engine *engine)
 	stilb_scene_update_nodes(engine->scene, engine->pool, FRAME_OWNER);
 	STILB_ASSERT(scene->moved_count <= scene->model_count);
 	engine->frame_formulas = engine_prepare_formulas(engine);
+	stilb_result result = update_exposure(engine);
 	engine_cameras_frame(engine);
-	stilb_result result = update_render(engine);
+	if (result == STILB_OK)
+		result = update_render(engine);
 	return result == STILB_OK ? engine_shadows_frame(engine) : result;
 }
 
@@ -292,6 +303,24 @@ static stilb_result frame_keep_scene(stilb_engine *engine)
 	return result;
 }
 
+/* While nothing is known of the light: draws a frame of it that nobody sees, and takes the exposure that suits it. */
+static stilb_result frame_look(stilb_engine *engine)
+{
+	bool counted = engine->views[0].show == STILB_RENDER_SHOW_SHADED && !engine->picture.hides_scene;
+	if (!engine->scene || !counted || !stilb_post_is_blind(engine->post))
+		return STILB_OK;
+	PROFILE("look at the light");
+	float before = stilb_post_exposure(engine->post);
+	stilb_result result = record(engine);
+	if (result == STILB_OK)
+		result = replay(engine);
+	if (result == STILB_OK)
+		result = stilb_post_look(engine->post);
+	for (uint32_t v = 0; v < engine->view_count; v++)
+		engine->views[v].exposure += stilb_post_exposure(engine->post) - before;
+	return result == STILB_OK ? frame_begin(engine) : result;
+}
+
 /* The device has got the frame of the scene. */
 static void engine_scene_drawn(stilb_engine *engine)
 {
@@ -302,7 +331,7 @@ static void engine_scene_drawn(stilb_engine *engine)
 static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times)
 {
 	PROFILE_COLOR("frame", 0x7f8ea3); /* grey, so that the stages in it stand out */
-	double begin;
+	double begin, looked;
 	uint64_t clock = stilb_time_ns(), start = clock;
 	stilb_result result = frame_begin(engine);
 	frame_clock(&clock, &begin);
@@ -312,6 +341,9 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 	if (result == STILB_OK)
 		result = cull(engine);
 	frame_clock(&clock, &times->cull);
+	if (result == STILB_OK)
+		result = frame_look(engine);
+	frame_clock(&clock, &looked);
 	if (result == STILB_OK)
 		result = record(engine);
 	frame_clock(&clock, &times->record);
@@ -331,6 +363,7 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 	if (result == STILB_OK && engine->scene)
 		engine_scene_drawn(engine);
 	frame_clock(&clock, &times->replay);
+	times->replay += looked;
 	times->pad = engine_input_latency(engine);
 	if (result == STILB_OK && engine->desc.present)
 		result = present(engine);
@@ -365,6 +398,7 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 		engine->dumpable = result == STILB_OK && !engine->picture.hides_scene;
 		if (engine->dumpable)
 			stilb_render_size(engine->render, &engine->culled_size[0], &engine->culled_size[1]);
+		engine->report.exposure = engine->views[0].exposure;
 		engine->report.visible = engine->visible[0].count;
 		engine->report.textures_left = stilb_render_textures_left(engine->render);
 		engine->report.cull = engine->visible[0].method;

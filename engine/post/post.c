@@ -10,6 +10,7 @@
 #define POST_NAME(id, name, text) name,
 const char *const stilb_post_bloom_format_names[] = {STILB_POST_BLOOM_FORMATS(POST_NAME) NULL};
 const char *const stilb_post_place_names[] = {STILB_POST_PLACES(POST_NAME) NULL};
+const char *const stilb_post_dither_names[] = {STILB_POST_DITHERS(POST_NAME) NULL};
 
 static bool post_is_share(float value)
 {
@@ -22,7 +23,8 @@ bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
 	return post_is_share(settings->occlusion) && settings->occlusion_radius >= 0.0f &&
 	       isfinite(settings->occlusion_radius) && post_is_share(settings->bloom) &&
 	       post_is_share(settings->bloom_width) && (unsigned)settings->bloom_format < STILB_POST_BLOOM_FORMATS_COUNT &&
-	       (unsigned)settings->place < STILB_POST_PLACES_COUNT;
+	       (unsigned)settings->place < STILB_POST_PLACES_COUNT &&
+	       (unsigned)settings->dither < STILB_POST_DITHERS_COUNT && post_exposure_is_valid(settings);
 }
 
 stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settings)
@@ -33,6 +35,7 @@ stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settin
 		filled.bloom_width = POST_BLOOM_DEFAULT_WIDTH;
 	if (filled.occlusion_radius == 0.0f)
 		filled.occlusion_radius = POST_OCCLUSION_DEFAULT_RADIUS;
+	post_exposure_defaults(&filled);
 	return filled;
 }
 
@@ -49,8 +52,11 @@ static bool post_is_by_cpu(const stilb_post *post, const stilb_gpu_plan *plan, u
 static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *light)
 {
 	stilb_post *post = user;
-	if (post->settings.bloom == 0.0f)
-		return STILB_OK;
+	stilb_result result = STILB_OK;
+	if (post->settings.exposure_adapts && post->shows_light)
+		result = post_exposure_add(post, plan, *light);
+	if (result != STILB_OK || post->settings.bloom == 0.0f)
+		return result;
 	bool fixed = post->settings.place == STILB_POST_PLACE_AUTO && post->settings.bloom_format == STILB_POST_BLOOM_FIXED;
 	return post_is_by_cpu(post, plan, *light) && !fixed ? post_host_bloom_add(post, plan, light)
 	                                                    : post_bloom_add(post, plan, light);
@@ -77,6 +83,7 @@ stilb_result stilb_post_create(stilb_render *render, stilb_post **post)
 	if (!made)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the chain of effects");
 	made->render = render;
+	made->shows_light = true;
 	stilb_result result = stilb_gpu_sampler_get(stilb_render_gpu(render), &linear, &made->linear);
 	if (result == STILB_OK)
 		result = stilb_render_add_feature(
@@ -99,6 +106,8 @@ void stilb_post_destroy(stilb_post *post)
 	if (!post)
 		return;
 	stilb_render_remove_feature(post->render, post);
+	post_exposure_finish(post);
+	post_grade_finish(post);
 	for (uint32_t f = 0; f < STILB_POST_BLOOM_FORMATS_COUNT; f++)
 		for (uint32_t p = 0; p < POST_PROGRAMS; p++)
 			if (post->programs[f][p].id)
@@ -119,6 +128,8 @@ void stilb_post_set(stilb_post *post, const stilb_post_settings *settings)
 {
 	STILB_ASSERT(post && settings);
 	post->settings = stilb_post_settings_filled(settings);
+	if (!post->settings.exposure_adapts)
+		post_exposure_finish(post);
 }
 
 void stilb_post_see(stilb_post *post, const stilb_render_view *view)
@@ -128,6 +139,7 @@ void stilb_post_see(stilb_post *post, const stilb_render_view *view)
 	memcpy(&around.m[12], view->camera_position, sizeof view->camera_position);
 	around = stilb_mat4_multiply(view->view_projection, around);
 	post->exposure = view->exposure;
+	post->shows_light = view->show == STILB_RENDER_SHOW_SHADED || view->show == STILB_RENDER_SHOW_ERROR;
 	post->from_clip = stilb_mat4_inverse(&around);
 	post->sees = post->from_clip.m[15] != 0.0f || post->from_clip.m[11] != 0.0f;
 	for (int i = 0; i < 16; i++)

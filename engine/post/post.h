@@ -4,8 +4,9 @@
  *
  * Chain      In this order, whatever was asked for first:
  *              occlusion  stage AMBIENT  ambient light where surfaces are in each other's way
+ *              exposure   stage LIGHT    how bright the light is, before the lens scatters it
  *              bloom      stage LIGHT    light that the lens scatters
- *            The tone map follows (render.h).
+ *            The tone map follows, the grade, dither (render.h): one row.
  * Occlusion  From the frame's depth, in half the size: how much of the hemisphere over each pixel is open, weighted by
  *            the cosine; what is nearer than the radius hides its directions, less the farther it is. It darkens the
  *            image "ambient" alone (render_images.h), so views need ambient_apart, and pictures one sample a pixel: in
@@ -16,9 +17,20 @@
  *            weights are those of a quadratic B-spline, whose sums are the same wherever a pixel lies, so that what
  *            moves does not flicker. NaN and infinite light stays where it is and scatters nothing.
  *            With FIXED the images between hold T(c) = c / (1 + c's largest channel) in 8 bits, half the bytes.
- * Place      Both are computed by programs of the device, or by the CPU's threads between two submissions: the same
+ * Place      These two are computed by programs of the device, or by the CPU's threads between two submissions: the same
  *            pixels but for rounding, which is between images in half floats there and in floats here; bloom_format is
  *            then of no account.
+ * Exposure   Each frame the device counts pixels by luminance, 16 classes a stop, from 2^-16 to 2^16 W sr^-1 m^-2;
+ *            others, NaN among them, are left out. The mean of log2 of what lies between two percentiles is to be shown
+ *            as 0.18 of display white, and the exposure goes there: its distance d from there, in stops, falls by
+ *            min(a |d|, r) a second, which far away is r and near by 1 - exp(-a t), and is the same however the time is
+ *            cut into frames. What a frame counts is known two frames later, to the CPU, too, which gives all passes
+ *            one number. Without such counts the exposure stays.
+ * Grade      A table of colours (post_table.h) after the tone map, which views look up (stilb_render_view.grade). Areas
+ *            are boxes of the world with tables of their own: at its sides an area weighs a half, half of `blend` in it
+ *            1, as far outside 0, by 3 t^2 - 2 t^3; so two rooms that share a wall, or a doorway, together weigh 1
+ *            everywhere between. Weights that sum to more than 1 are divided by their sum; what they leave is for the
+ *            table of no area. What is seen is the same mean of what these tables show, as the camera stands.
  * Sources    Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion" (2008), and Jimenez, Wu, Pesce,
  *            Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion" (2016), for occlusion; Karis,
  *            "Tone mapping" (2013), for T; Jimenez, "Next Generation Post Processing in Call of Duty: Advanced
@@ -31,6 +43,7 @@
 
 #include "base/base.h"
 #include "jobs/job.h"
+#include "post/post_table.h"
 #include "render/render.h"
 
 #ifdef __cplusplus
@@ -65,6 +78,21 @@ typedef enum stilb_post_place { STILB_POST_PLACES(STILB_POST_PLACE_ENUM) STILB_P
 /* Their identifiers, NULL-terminated; the index is the stilb_post_place. */
 extern const char *const stilb_post_place_names[];
 
+/* What is done before 8 bits (stilb_render_dither). */
+#define STILB_POST_DITHERS(X)                                                                                          \
+	X(ORDERED, "ordered", "up to half a code, by a pattern")                                                           \
+	X(TRIANGULAR, "triangular", "up to a code, without one")                                                           \
+	X(OFF, "off", "codes are the nearest ones")
+
+#define STILB_POST_DITHER_ENUM(id, ...) STILB_POST_DITHER_##id,
+typedef enum stilb_post_dither {
+	STILB_POST_DITHERS(STILB_POST_DITHER_ENUM) STILB_POST_DITHERS_COUNT
+} stilb_post_dither;
+#undef STILB_POST_DITHER_ENUM
+
+/* Likewise; the index is the stilb_post_dither. */
+extern const char *const stilb_post_dither_names[];
+
 /* {0}: no effect. */
 typedef struct stilb_post_settings {
 	float occlusion;        /* by how much ambient light is darker where it is hidden, 0..1; 0: there is no such row */
@@ -75,6 +103,15 @@ typedef struct stilb_post_settings {
 	                      large a part of larger ones; the widest about half of the picture */
 	stilb_post_bloom_format bloom_format; /* of the device's programs */
 	stilb_post_place place;
+	stilb_post_dither dither; /* of pictures of 8 bits */
+	bool exposure_adapts;     /* the exposure follows the light of frames; else there is no such row */
+	float exposure_low;   /* percentiles between which light counts, shares of the pixels that are counted, 0..1, the */
+	float exposure_high;  /* first below the second; both 0: 0.7 and 0.97 */
+	float exposure_speed; /* a, 1 / seconds, >= 0 and finite; 0: 2 */
+	float exposure_rate;  /* r, stops a second, >= 0 and finite; 0: 4 */
+	float
+		exposure_darkest; /* what the exposure lies between, stops, -32..32, the first below the second; both 0: -16 */
+	float exposure_brightest; /* and 16 */
 } stilb_post_settings;
 
 /* With defaults in place of zeros that stand for them. settings: valid. [any-thread] */
@@ -102,6 +139,55 @@ void stilb_post_set_pool(stilb_post *post, stilb_job_pool *pool);
 /* What the next replay's view into the main images sees: read are view_projection, camera_position, exposure. At first
  * a view of zeros, by which nothing is occluded. */
 void stilb_post_see(stilb_post *post, const stilb_render_view *view);
+
+/* ---- grade ------------------------------------------------------------------------------------------------------- */
+
+typedef struct stilb_post_area {
+	float low[3], high[3];         /* the box, metres in the world; low < high */
+	float blend;                   /* metres, >= 0 and finite, that are half inside and half outside; 0: a step */
+	float exposure;                /* stops that it adds, -32..32 */
+	const stilb_post_table *table; /* NULL: that of no area */
+} stilb_post_area;
+
+#define STILB_POST_MAX_AREAS 64u
+
+/* Takes copies of the table outside of areas, NULL: colours are as they are, and of the areas, 0..STILB_POST_MAX_AREAS.
+ * STILB_ERROR_MEMORY: what was set before stays. */
+stilb_result stilb_post_set_grade(stilb_post *post, const stilb_post_table *table, const stilb_post_area *areas,
+                                  uint32_t count);
+
+/* Where the camera stands in the next frame: once a frame, before views get stilb_post_grade and stilb_post_exposure.
+ * Does nothing while weights stay what they are. Tables of which several weigh are resampled to one of at most 33
+ * entries a side. STILB_ERROR_ARGUMENT: the device has no such large images; STILB_ERROR_MEMORY,
+ * STILB_ERROR_DEVICE_LOST; the grade then stays. */
+stilb_result stilb_post_stand(stilb_post *post, const float position[3]);
+
+/* For stilb_render_view.grade, until the next stilb_post_stand; NULL: colours are as they are. */
+const stilb_render_grade *stilb_post_grade(const stilb_post *post);
+
+/* ---- exposure that adapts ----------------------------------------------------------------------------------------
+ * Once a frame, before its views are made: adapt, then, while it is blind, a frame that nobody sees and look; then
+ * views get stilb_post_exposure. A program that does not look sees its first two frames at 0 stops. */
+
+/* Takes what the frame before the last has counted, and goes towards it for so long: seconds since the call before, >=
+ * 0 and finite. Waits for the device only if it has not finished that frame. The first counts, and those after
+ * stilb_post_forget, count at once. Does nothing where settings do not ask for it. STILB_ERROR_MEMORY,
+ * STILB_ERROR_DEVICE_LOST; the exposure then stays. */
+stilb_result stilb_post_adapt(stilb_post *post, float seconds);
+
+/* The exposure so far, stops, and what areas add; without either 0. What the program's cameras say comes on top of
+ * it. */
+float stilb_post_exposure(const stilb_post *post);
+
+/* True while settings ask for exposure and nothing has been counted since the start or stilb_post_forget. */
+bool stilb_post_is_blind(const stilb_post *post);
+
+/* Waits for the counts of the last replayed frame, and takes them at once. A frame that has none changes nothing, and
+ * it is not blind any more. Errors as stilb_post_adapt. */
+stilb_result stilb_post_look(stilb_post *post);
+
+/* Another scene comes: what it counts first is taken at once. */
+void stilb_post_forget(stilb_post *post);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

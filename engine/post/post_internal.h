@@ -17,11 +17,64 @@ typedef enum post_program {
 	POST_OCCLUSION,
 	POST_OCCLUSION_SMOOTH,
 	POST_OCCLUSION_APPLY,
+	POST_EXPOSURE,
 	POST_PROGRAMS
 } post_program;
 
 /* Images that the CPU works on. */
 typedef enum post_mapped { POST_MAPPED_LIGHT, POST_MAPPED_AMBIENT, POST_MAPPED_DEPTH, POST_MAPPED } post_mapped;
+
+/* ---- exposure ---- */
+
+#define POST_EXPOSURE_CLASSES 512u             /* of luminance: 16 a stop, from 2^-16 on */
+#define POST_EXPOSURE_GROUPS 64u               /* work groups at most, each of which counts for itself */
+#define POST_EXPOSURE_COUNTS "exposure counts" /* the buffer */
+#define POST_EXPOSURE_GREY 0.18                /* of display white */
+
+/* A copy of a frame's counts that is on its way. */
+typedef struct post_counts {
+	uint64_t ticket; /* 0: none */
+	uint32_t groups;
+} post_counts;
+
+/* The exposure's state. */
+typedef struct post_meter {
+	bool known;         /* exposure counts */
+	float exposure;     /* stops */
+	float wanted;       /* where it goes */
+	uint32_t groups;    /* that count in the frame that was planned last */
+	post_counts coming; /* of the frame before the last */
+} post_meter;
+
+/* ---- grade ---- */
+
+#define POST_GRADE_BLENDED 33u /* entries a side of what several tables are blended to, at most */
+
+typedef struct post_grading {
+	stilb_post_table *tables[STILB_POST_MAX_AREAS + 1]; /* copies: of the areas, and behind them that of no area */
+	stilb_post_area areas[STILB_POST_MAX_AREAS];        /* .table: of these, or NULL */
+	uint32_t count;
+	float weights[STILB_POST_MAX_AREAS]; /* of what `shown` is made of */
+	bool known;                          /* weights count */
+	float exposure;                      /* stops of the areas */
+	stilb_gpu_image image;
+	uint32_t width, height, depth; /* of the image */
+	stilb_render_grade shown;
+	bool shows; /* there is a table to be seen */
+} post_grading;
+
+/* What each area weighs at this place: weights[count], whose sum is at most 1. Returns what is left for no area. */
+float post_grade_weights(const stilb_post_area *areas, uint32_t count, const float position[3], float *weights);
+void post_grade_finish(stilb_post *post);
+
+/* The exposure that shows the mean of what lies between the percentiles as grey, stops. counts:
+ * [POST_EXPOSURE_CLASSES]. False: nothing was counted. */
+bool post_exposure_of(const uint64_t *counts, const stilb_post_settings *settings, float *stops);
+/* Where an exposure is that goes from `from` to `to` for so many seconds. */
+float post_exposure_step(float from, float to, float seconds, const stilb_post_settings *settings);
+/* The exposure's members of the settings, each in its range; and their defaults in place of 0. */
+bool post_exposure_is_valid(const stilb_post_settings *settings);
+void post_exposure_defaults(stilb_post_settings *settings);
 
 struct stilb_post {
 	stilb_render *render;
@@ -29,6 +82,9 @@ struct stilb_post {
 	float exposure;       /* stops */
 	bool sees;            /* from_clip is there */
 	stilb_mat4 from_clip; /* to the world's directions, around the camera */
+	post_meter meter;
+	post_grading grading;
+	bool shows_light; /* the main view's image is light, not counts or a channel of materials */
 	stilb_gpu_sampler linear;
 	post_cpu *cpu; /* NULL: nothing was computed by the CPU yet */
 	stilb_job_pool *pool;
@@ -38,6 +94,7 @@ struct stilb_post {
 };
 
 extern const stilb_gpu_shader post_shader_bloom_halve, post_shader_bloom_double, post_shader_bloom_add;
+extern const stilb_gpu_shader post_shader_exposure;
 extern const stilb_gpu_shader post_shader_occlusion, post_shader_occlusion_smooth, post_shader_occlusion_apply;
 
 /* The program of this number, made when it is first asked for; of bloom in this format. Constant 0 of bloom's shaders
@@ -51,6 +108,11 @@ stilb_result post_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t
 /* Likewise, for the CPU's threads. */
 stilb_result post_host_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light);
 stilb_result post_host_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *ambient, uint16_t depth);
+
+/* Adds the row that counts the light's pixels. */
+stilb_result post_exposure_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t light);
+/* Gives up copies that are on their way. */
+void post_exposure_finish(stilb_post *post);
 
 /* Adds bloom's rows, and puts the image with it in the place of *light. */
 stilb_result post_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light);

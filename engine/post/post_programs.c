@@ -15,6 +15,7 @@ stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, 
 		[POST_BLOOM_ADD] = {"bloom added", &post_shader_bloom_add, 2},
 		[POST_OCCLUSION] = {"occlusion", &post_shader_occlusion, 1},
 		[POST_OCCLUSION_SMOOTH] = {"occlusion smoothed", &post_shader_occlusion_smooth, 1},
+		[POST_EXPOSURE] = {"exposure", &post_shader_exposure, 1},
 		[POST_OCCLUSION_APPLY] = {"ambient occluded", &post_shader_occlusion_apply, 3},
 	};
 	stilb_gpu_program *made = &post->programs[format][number];
@@ -22,13 +23,13 @@ stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, 
 	if (made->id == 0) {
 		stilb_gpu_program_desc desc = {
 			.name = programs[number].name,
-			.fragment = *programs[number].shader,
 			.samplers = programs[number].samplers,
 			.constant_count = number <= POST_BLOOM_HALVE ? 2
 		                      : number <= POST_BLOOM_ADD ? 1
 		                                                 : 0,
 			.constants = {{0, format == STILB_POST_BLOOM_FIXED}, {1, number == POST_BLOOM_HALVE_FIRST}},
 		};
+		*(number == POST_EXPOSURE ? &desc.compute : &desc.fragment) = *programs[number].shader;
 		result = stilb_gpu_program_create(stilb_render_gpu(post->render), &desc, made);
 	}
 	*program = *made;

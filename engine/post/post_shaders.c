@@ -20,7 +20,11 @@ static const uint32_t occlusion_smooth_frag[] =
 static const uint32_t occlusion_apply_frag[] =
 #include "occlusion_apply.frag.inc"
 	;
+static const uint32_t exposure_comp[] =
+#include "exposure.comp.inc"
+	;
 
+const stilb_gpu_shader post_shader_exposure = {exposure_comp, sizeof exposure_comp, SOURCE_exposure_comp};
 const stilb_gpu_shader post_shader_occlusion = {occlusion_frag, sizeof occlusion_frag, SOURCE_occlusion_frag};
 const stilb_gpu_shader post_shader_occlusion_smooth = {occlusion_smooth_frag, sizeof occlusion_smooth_frag,
                                                        SOURCE_occlusion_smooth_frag};

@@ -653,6 +653,32 @@ typedef struct stilb_render_shadow_reading {
 
 #define STILB_RENDER_SHADOW_BUFFER_LIGHTS 64u
 
+/* How what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen; the same for all
+ * channels, by the pixel alone.
+ *   ORDERED     up to half a code, by an 8 x 8 pattern of blue noise: what is a code stays it
+ *   TRIANGULAR  up to a code, more often less, so that neither the mean nor the noise depends on where between two
+ *               codes the light is; at the ends as much as the display has room for. By interleaved gradient noise,
+ *               which no tile repeats.
+ * Sources: Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare" (2014), for that noise;
+ * Lipshitz, Wannamaker, Vanderkooy, "Quantization and dither: a theoretical survey" (1992), for triangles. */
+typedef enum stilb_render_dither {
+	STILB_RENDER_DITHER_OFF,
+	STILB_RENDER_DITHER_ORDERED,
+	STILB_RENDER_DITHER_TRIANGULAR,
+	STILB_RENDER_DITHERS
+} stilb_render_dither;
+
+/* A table of colours in which the tone map looks up what it shows, before dither. What is looked up, and what stands
+ * there, are codes of sRGB over 255, which may lie outside of 0..1. Between entries it is linear in each of the six
+ * tetrahedra that share the grey diagonal of a cell of eight entries; so greys depend on greys alone. */
+typedef struct stilb_render_grade {
+	stilb_gpu_image table; /* rgba32_f, of shape 3D: size x size x size, red along x, green along y; curves: 256 wide,
+	                          entry i at x = i % 256, y = i / 256 */
+	uint32_t size;         /* entries a side, 2..256; curves: 2..65,536 */
+	bool curves;           /* each channel has a curve of its own */
+	float low[3], high[3]; /* the codes of the first and the last entry; beyond these the nearest counts */
+} stilb_render_grade;
+
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
  * are compiled during stilb_render_replay, which then takes some milliseconds, and kept. */
 typedef struct stilb_render_view {
@@ -711,9 +737,10 @@ typedef struct stilb_render_view {
 	stilb_render_show show;
 	float time; /* seconds; surface functions get it (scene_function.h). Beyond 16,384 s it goes by steps of 2 ms */
 	/* How the picture shows radiance with output DISPLAY; those of the target's first pass count. */
-	float exposure; /* stops: radiance is multiplied by 2^exposure before the tone map */
-	uint32_t tone;  /* SHADE_TONE_... of shading/shade_tonemap.h */
-	bool dither; /* what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen */
+	float exposure;                  /* stops: radiance is multiplied by 2^exposure before the tone map */
+	uint32_t tone;                   /* SHADE_TONE_... of shading/shade_tonemap.h */
+	const stilb_render_grade *grade; /* NULL: none. Of light alone; likewise with output DISPLAY. Read during replay */
+	stilb_render_dither dither;
 } stilb_render_view;
 
 /* The largest BRDF times cosine that a surface of the scene may have, sr^-1, shaded like that: the bound of

@@ -243,7 +243,7 @@ static void upload_tables(stilb_render_dump *dump, uint32_t width, uint32_t heig
 		view->both_sides = from->both_sides;
 		view->exposure = from->exposure;
 		view->tone = from->tone;
-		view->dither = from->dither;
+		view->dither = (stilb_render_dither)from->dither;
 		view->time = from->time;
 		view->lighting = (stilb_render_lighting)(from->lighting & 0xff);
 		view->deferred.coverage = (stilb_render_coverage)(from->lighting >> 8 & 0xff);

@@ -76,7 +76,7 @@ typedef struct render_dump_view {
 	uint32_t glossy;                             /* 0 or 1: stilb_scene_surroundings.glossy */
 	uint32_t both_sides;                         /* 0 or 1: stilb_render_view.both_sides */
 	float exposure;                              /* stops, -100..100 */
-	uint32_t tone, dither;                       /* SHADE_TONE_..., 0 or 1: those of stilb_render_view */
+	uint32_t tone, dither;                       /* SHADE_TONE_..., stilb_render_dither */
 	uint32_t target;                             /* 0: none, else 1 + its position in the table of targets */
 	float time;                                  /* seconds, for functions of surfaces */
 	uint32_t lighting;                           /* stilb_render_lighting, of _deferred.coverage << 8, .gbuffer << 16,

@@ -203,7 +203,7 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 			return load_refuse(name, "view %u: a number is not finite", v);
 		if (!(fabsf(view->exposure) <= 100.0f))
 			return load_refuse(name, "view %u: its exposure is not within 100 stops", v);
-		if (view->tone >= SHADE_TONE_COUNT || view->dither > 1)
+		if (view->tone >= SHADE_TONE_COUNT || view->dither >= STILB_RENDER_DITHERS)
 			return load_refuse(name, "view %u: unknown tone map %u, dither %u", v, view->tone, view->dither);
 		if (view->target > dump->header->targets)
 			return load_refuse(name, "view %u: target %u, but there are %u", v, view->target, dump->header->targets);

@@ -22,7 +22,8 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
-/* The tone maps of stilb_scene_camera.tone by number: "knee", "none", "neutral", "filmic"; NULL-terminated. */
+/* The tone maps of stilb_scene_camera.tone by number: "knee", "none", "neutral", "filmic", "luminance", "piecewise",
+ * "hable"; NULL-terminated. */
 extern const char *const stilb_scene_tone_names[];
 
 /* The exposure, stops, that suits the light on what this camera sees, in hundredths of a stop: an incident light meter,

@@ -213,8 +213,10 @@ static bool meter_surface(const meter *m, uint32_t index, const float camera[3],
 }
 
 const char *const stilb_scene_tone_names[] = {
-	[SHADE_TONE_KNEE] = "knee",     [SHADE_TONE_NONE] = "none", [SHADE_TONE_NEUTRAL] = "neutral",
-	[SHADE_TONE_FILMIC] = "filmic", [SHADE_TONE_COUNT] = NULL,
+	[SHADE_TONE_KNEE] = "knee",           [SHADE_TONE_NONE] = "none",
+	[SHADE_TONE_NEUTRAL] = "neutral",     [SHADE_TONE_FILMIC] = "filmic",
+	[SHADE_TONE_LUMINANCE] = "luminance", [SHADE_TONE_PIECEWISE] = "piecewise",
+	[SHADE_TONE_HABLE] = "hable",         [SHADE_TONE_COUNT] = NULL,
 };
 
 /* ---- the exposure ------------------------------------------------------------------------------------------------ */

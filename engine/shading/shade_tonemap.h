@@ -110,22 +110,35 @@ SHADE_FN vec3 shade_tonemap_luminance_inverse(vec3 color, float a, float b)
 
 /* ---- tone maps of pictures -------------------------------------------------------------------------------------
  * By number, as a picture can be shown: linear radiance times the exposure in, linear light of the display out, each
- * channel in [0, 1]. Each has an inverse.
+ * channel in [0, 1]. Each has an inverse. KNEE, NEUTRAL, LUMINANCE and PIECEWISE cut nothing off: of two lights the
+ * brighter one is shown brighter, as far as floats tell.
  *
  *   KNEE      linear to 0.6, bent above by the largest channel (shade_tonemap): values can be read off the picture.
  *   NONE      what is above 1 is cut off.
  *   NEUTRAL   Khronos' PBR neutral: base colours in plain white light look as their sRGB codes say; linear below
  *             0.76, highlights lose their colour slowly.
- *   FILMIC    Narkowicz's fit of ACES: an S in each channel, which adds contrast and takes colour from bright light.
+ *   FILMIC    Narkowicz's fit of ACES: an S in each channel, which adds contrast and takes colour from bright light. It
+ *             is 1 from 7.24 on.
+ *   LUMINANCE the knee's curve of the luminance: what is shown is as bright as that says, whatever the hue. A colour
+ *             that would leave the display is mixed with the grey that is as bright.
+ *   PIECEWISE an S in each channel: a power at the toe, a line of slope 1.25 through 0.18, a power at the shoulder that
+ *             never ends.
+ *   HABLE     Hable's curve of "Uncharted 2" in each channel, at twice the exposure as there: dark to the toe, 1 from
+ *             5.6 on.
  *
- * Sources: Khronos, "PBR neutral tone mapper specification" (2024); Narkowicz, "ACES filmic tone mapping curve" (2015).
+ * Sources: Khronos, "PBR neutral tone mapper specification" (2024); Narkowicz, "ACES filmic tone mapping curve" (2015);
+ * Hable, "Filmic tonemapping operators" (2010), and "Filmic tonemapping with piecewise power curves" (2017), for toe,
+ * line and shoulder: there the shoulder ends at a white point.
  */
 
 #define SHADE_TONE_KNEE 0
 #define SHADE_TONE_NONE 1
 #define SHADE_TONE_NEUTRAL 2
 #define SHADE_TONE_FILMIC 3
-#define SHADE_TONE_COUNT 4
+#define SHADE_TONE_LUMINANCE 4
+#define SHADE_TONE_PIECEWISE 5
+#define SHADE_TONE_HABLE 6
+#define SHADE_TONE_COUNT 7
 
 #define SHADE_NEUTRAL_FRESNEL 0.04f /* what a dielectric mirrors straight ahead: taken from colours again */
 #define SHADE_NEUTRAL_START 0.76f   /* the largest channel from which on it is compressed: 0.8 - 0.04 */
@@ -190,6 +203,101 @@ SHADE_FN vec3 shade_filmic_inverse(vec3 color)
 	            shade_filmic_curve_inverse(color[2]));
 }
 
+/* ---- luminance -------------------------------------------------------------------------------------------------- */
+
+SHADE_FN vec3 shade_shown_by_luminance(vec3 color)
+{
+	float bright = shade_tonemap_curve(shade_luminance(color), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+	vec3 scaled = shade_tonemap_luminance(color, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+	float largest = shade_largest(scaled);
+	float kept = select(largest > 1.0f, (1.0f - bright) / max(largest - bright, SHADE_TONEMAP_EPSILON), 1.0f);
+	return min(scaled * kept + bright * (1.0f - kept), 1.0f);
+}
+
+/* color: a result of it with its luminance below 1. Of the colours that are mixed to the same one, the least
+ * saturated. */
+SHADE_FN vec3 shade_shown_by_luminance_inverse(vec3 color)
+{
+	return shade_tonemap_luminance_inverse(color, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+}
+
+/* ---- piecewise -------------------------------------------------------------------------------------------------- */
+
+#define SHADE_PIECEWISE_SLOPE 1.25f
+#define SHADE_PIECEWISE_TOE 0.09f /* where the toe ends, and what is shown there: on the line through 0.18 */
+#define SHADE_PIECEWISE_TOE_SHOWN 0.0675f
+#define SHADE_PIECEWISE_TOE_POWER (5.0f / 3.0f) /* so that its slope there is the line's */
+#define SHADE_PIECEWISE_SHOULDER 0.45f          /* where the shoulder begins, likewise */
+#define SHADE_PIECEWISE_SHOULDER_SHOWN 0.5175f
+#define SHADE_PIECEWISE_SHOULDER_POWER 1.5f
+#define SHADE_PIECEWISE_SHOULDER_SCALE 1.7271157f /* slope / (power (1 - shown)) */
+
+/* x: a channel. */
+SHADE_FN float shade_piecewise_curve(float x)
+{
+	float toe =
+		SHADE_PIECEWISE_TOE_SHOWN * pow(min(x, SHADE_PIECEWISE_TOE) / SHADE_PIECEWISE_TOE, SHADE_PIECEWISE_TOE_POWER);
+	float line = SHADE_PIECEWISE_TOE_SHOWN + SHADE_PIECEWISE_SLOPE * (x - SHADE_PIECEWISE_TOE);
+	float above = 1.0f + SHADE_PIECEWISE_SHOULDER_SCALE * max(x - SHADE_PIECEWISE_SHOULDER, 0.0f);
+	float shoulder = 1.0f - (1.0f - SHADE_PIECEWISE_SHOULDER_SHOWN) * pow(above, -SHADE_PIECEWISE_SHOULDER_POWER);
+	return select(x < SHADE_PIECEWISE_TOE, toe, select(x < SHADE_PIECEWISE_SHOULDER, line, shoulder));
+}
+
+/* The inverse, y in [0, 1). Near 1 a float step stands for (0.4825 / (1 - y))^(5/3) / 1.25 steps of x. */
+SHADE_FN float shade_piecewise_curve_inverse(float y)
+{
+	float toe = SHADE_PIECEWISE_TOE *
+	            pow(min(y, SHADE_PIECEWISE_TOE_SHOWN) / SHADE_PIECEWISE_TOE_SHOWN, 1.0f / SHADE_PIECEWISE_TOE_POWER);
+	float line = SHADE_PIECEWISE_TOE + (y - SHADE_PIECEWISE_TOE_SHOWN) / SHADE_PIECEWISE_SLOPE;
+	float left = max(1.0f - y, SHADE_TONEMAP_EPSILON) / (1.0f - SHADE_PIECEWISE_SHOULDER_SHOWN);
+	float above = pow(min(left, 1.0f), -1.0f / SHADE_PIECEWISE_SHOULDER_POWER) - 1.0f;
+	float shoulder = SHADE_PIECEWISE_SHOULDER + above / SHADE_PIECEWISE_SHOULDER_SCALE;
+	return select(y < SHADE_PIECEWISE_TOE_SHOWN, toe, select(y < SHADE_PIECEWISE_SHOULDER_SHOWN, line, shoulder));
+}
+
+SHADE_FN vec3 shade_piecewise(vec3 color)
+{
+	return vec3(shade_piecewise_curve(color[0]), shade_piecewise_curve(color[1]), shade_piecewise_curve(color[2]));
+}
+
+SHADE_FN vec3 shade_piecewise_inverse(vec3 color)
+{
+	return vec3(shade_piecewise_curve_inverse(color[0]), shade_piecewise_curve_inverse(color[1]),
+	            shade_piecewise_curve_inverse(color[2]));
+}
+
+/* ---- Hable's ----------------------------------------------------------------------------------------------------- */
+
+#define SHADE_HABLE_BRIGHTER 2.0f
+#define SHADE_HABLE_WHITE 0.7251294f /* what the curve without it gives at its white point, 11.2 */
+
+/* ((x (0.15 x + 0.05) + 0.004) / (x (0.15 x + 0.5) + 0.06) - 0.02 / 0.3) / white of twice the channel, at most 1; the
+ * difference as one fraction, which is 0 at 0. x: a channel. */
+SHADE_FN float shade_hable_curve(float x)
+{
+	x = SHADE_HABLE_BRIGHTER * min(x, SHADE_FILMIC_MAX);
+	float curve = x * (0.14f * x + 0.05f / 3.0f) / (x * (0.15f * x + 0.5f) + 0.06f);
+	return min(curve / SHADE_HABLE_WHITE, 1.0f);
+}
+
+/* The inverse; 1 gives 5.6. y: [0, 1]. */
+SHADE_FN float shade_hable_curve_inverse(float y)
+{
+	float curve = SHADE_HABLE_WHITE * y, p = 0.05f / 3.0f - 0.5f * curve, a = 0.14f - 0.15f * curve;
+	return 0.12f * curve / max(p + sqrt(p * p + 0.24f * curve * a), SHADE_FILMIC_EPSILON) / SHADE_HABLE_BRIGHTER;
+}
+
+SHADE_FN vec3 shade_hable(vec3 color)
+{
+	return vec3(shade_hable_curve(color[0]), shade_hable_curve(color[1]), shade_hable_curve(color[2]));
+}
+
+SHADE_FN vec3 shade_hable_inverse(vec3 color)
+{
+	return vec3(shade_hable_curve_inverse(color[0]), shade_hable_curve_inverse(color[1]),
+	            shade_hable_curve_inverse(color[2]));
+}
+
 /* ---- by number -------------------------------------------------------------------------------------------------- */
 
 /* tone: SHADE_TONE_... */
@@ -202,10 +310,16 @@ SHADE_FN vec3 shade_tone(int tone, vec3 color)
 		return shade_neutral(color);
 	if (tone == SHADE_TONE_FILMIC)
 		return shade_filmic(color);
+	if (tone == SHADE_TONE_LUMINANCE)
+		return shade_shown_by_luminance(color);
+	if (tone == SHADE_TONE_PIECEWISE)
+		return shade_piecewise(color);
+	if (tone == SHADE_TONE_HABLE)
+		return shade_hable(color);
 	return shade_tonemap(color, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
 }
 
-/* color: a result of shade_tone with its largest channel below 1. */
+/* color: a result of shade_tone with its largest channel below 1; LUMINANCE: its luminance. */
 SHADE_FN vec3 shade_tone_inverse(int tone, vec3 color)
 {
 	if (tone == SHADE_TONE_NONE)
@@ -214,6 +328,12 @@ SHADE_FN vec3 shade_tone_inverse(int tone, vec3 color)
 		return shade_neutral_inverse(color);
 	if (tone == SHADE_TONE_FILMIC)
 		return shade_filmic_inverse(color);
+	if (tone == SHADE_TONE_LUMINANCE)
+		return shade_shown_by_luminance_inverse(color);
+	if (tone == SHADE_TONE_PIECEWISE)
+		return shade_piecewise_inverse(color);
+	if (tone == SHADE_TONE_HABLE)
+		return shade_hable_inverse(color);
 	return shade_tonemap_inverse(color, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
 }
 

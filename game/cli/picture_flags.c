@@ -193,8 +193,6 @@ static void picture_add_pose(picture_flags *p, flag_rows *table)
 static void picture_add_look(picture_flags *p, flag_rows *table)
 {
 	const flag look[] = {
-		{"--exposure", FLAG_TEXT, &p->exposure, "EV|auto",
-	     "brighter by 2^EV, -32..32; auto: as the light needs (0; auto for lights in physical units)", 0, 0, NULL},
 		{"--studio", FLAG_CHOICE, &p->studio, "auto|on|off",
 	     "soft light and a floor in place of the scene's light; auto: if it has none (auto)", 0, 0,
 	     picture_studio_choices},
@@ -204,10 +202,18 @@ static void picture_add_look(picture_flags *p, flag_rows *table)
 	flag_rows_add(table, look, sizeof look / sizeof *look);
 }
 
+static void picture_add_exposure(picture_flags *p, flag_rows *table)
+{
+	const flag exposure[] = {{"--exposure", FLAG_TEXT, &p->exposure, "EV|auto|adapt",
+	                          "brighter by 2^EV, -32..32; auto: by the lights; adapt: by what is seen (0)", 0, 0,
+	                          NULL}};
+	flag_rows_add(table, exposure, 1);
+}
+
 static void picture_add_tone(picture_flags *p, flag_rows *table)
 {
 	const flag tone[] = {{"--tone", FLAG_CHOICE, &p->tone, "NAME",
-	                      "tone map: none, knee, neutral or filmic (files: neutral, else knee)", 0, 0,
+	                      "knee, neutral, filmic, luminance, piecewise, hable or none (files: neutral)", 0, 0,
 	                      stilb_scene_tone_names}};
 	flag_rows_add(table, tone, 1);
 }
@@ -227,6 +233,11 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 	     stilb_post_bloom_format_names},
 		{"--post", FLAG_CHOICE, &p->post_place, "WHO",
 	     "computes bloom and --ao: gpu, cpu, or auto: cpu on software devices (auto)", 0, 0, stilb_post_place_names},
+		{"--dither", FLAG_CHOICE, &p->dither, "KIND",
+	     "of 8-bit codes: ordered (by half a code), triangular (by one) or off (ordered)", 0, 0,
+	     stilb_post_dither_names},
+		{"--grade", FLAG_TEXT, &p->grade, "FILE.cube", "a table of colours that the picture is shown through (none)", 0,
+	     0, NULL},
 	};
 	flag_rows_add(table, post, sizeof post / sizeof *post);
 }
@@ -241,6 +252,8 @@ void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_r
 		picture_add_pose(picture, table);
 	if (group == PICTURE_PLACE)
 		picture_add_place(picture, table);
+	if (group == PICTURE_EXPOSURE)
+		picture_add_exposure(picture, table);
 	if (group == PICTURE_LOOK)
 		picture_add_look(picture, table);
 	if (group == PICTURE_POST)
@@ -254,6 +267,18 @@ void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_r
 stilb_render_detail picture_flags_detail(const picture_flags *p)
 {
 	return (stilb_render_detail){(stilb_render_detail_mode)p->detail, p->detail_error};
+}
+
+stilb_post_settings picture_flags_post(const picture_flags *p)
+{
+	return (stilb_post_settings){.occlusion = p->occlusion,
+	                             .occlusion_radius = p->occlusion_radius,
+	                             .bloom = p->bloom,
+	                             .bloom_width = p->bloom_width,
+	                             .bloom_format = (stilb_post_bloom_format)p->bloom_format,
+	                             .place = (stilb_post_place)p->post_place,
+	                             .dither = (stilb_post_dither)p->dither,
+	                             .exposure_adapts = picture_flags_adapt(p)};
 }
 
 bool picture_flags_parts(const picture_flags *p)
@@ -345,13 +370,22 @@ bool picture_flags_check_camera(const char *name, const char *text)
 	return true;
 }
 
-/* Reads --exposure, a number of stops or "auto", which is NaN. Returns false if it is neither. */
+bool picture_flags_adapt(const picture_flags *p)
+{
+	return p->exposure && strcmp(p->exposure, "adapt") == 0;
+}
+
+/* Reads --exposure, a number of stops, "adapt", which is 0, or "auto", which is NaN. Returns false if it is none. */
 static bool picture_parse_exposure(const char *text, float *stops)
 {
 	flag_list list;
 	*stops = NAN;
 	if (strcmp(text, "auto") == 0)
 		return true;
+	if (strcmp(text, "adapt") == 0) {
+		*stops = 0.0f;
+		return true;
+	}
 	if (!flags_numbers(text, 1, 1, &list) || !(fabsf(list.numbers[0]) <= PICTURE_STOPS))
 		return false;
 	*stops = list.numbers[0];
@@ -480,13 +514,18 @@ bool picture_flags_check(const picture_flags *p)
 		return false;
 	}
 	if (p->exposure && !picture_parse_exposure(p->exposure, &stops)) {
-		stilb_log("--exposure: '%s' is neither auto nor a number in -%.0f..%.0f", p->exposure, (double)PICTURE_STOPS,
-		          (double)PICTURE_STOPS);
+		stilb_log("--exposure: '%s' is neither auto nor adapt nor a number in -%.0f..%.0f", p->exposure,
+		          (double)PICTURE_STOPS, (double)PICTURE_STOPS);
 		return false;
 	}
 	if (p->background && !picture_is_background(p->background)) {
 		stilb_log("--background: '%s' is not known; give environment, blur, transparent, #RRGGBB, or R,G,B in 0..1",
 		          p->background);
+		return false;
+	}
+	float color[3];
+	if (p->background && picture_flags_adapt(p) && picture_parse_color(p->background, color)) {
+		stilb_log("--background %s is shown as it is, which --exposure adapt cannot; give EV or auto", p->background);
 		return false;
 	}
 	return picture_check_show(p) && picture_flags_check_camera("--camera", p->camera);

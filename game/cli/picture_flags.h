@@ -42,6 +42,8 @@ typedef struct picture_flags {
 	uint64_t samples;                            /* 0 if not given */
 	uint64_t max_anisotropy;                     /* 0 if not given */
 	float occlusion, occlusion_radius;           /* of stilb_post_settings */
+	int dither;                                  /* a stilb_post_dither */
+	const char *grade;                           /* NULL if not given */
 	float bloom, bloom_width;                    /* likewise */
 	int bloom_format, post_place;                /* a stilb_post_bloom_format, a stilb_post_place */
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
@@ -65,7 +67,8 @@ typedef enum picture_flags_group {
 	PICTURE_IMAGE,    /* --show and --show-range for images of the plan alone */
 	PICTURE_POSE,     /* --animation, --at: what of a file's scene plays */
 	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
-	PICTURE_LOOK,     /* --exposure, --studio, --background: how the picture shows the scene */
+	PICTURE_LOOK,     /* --studio, --background: how the picture shows the scene */
+	PICTURE_EXPOSURE, /* --exposure */
 	PICTURE_TONE,     /* --tone */
 	PICTURE_POST,     /* --bloom...: effects on the light of frames */
 	PICTURE_BRDF,     /* --brdf and the parts of --brdf microfacet */
@@ -132,6 +135,12 @@ bool picture_flags_check_camera(const char *name, const char *text);
  * colour of --background, which is shown as it is, whatever the exposure, and the tone map of --tone.
  * STILB_ERROR_MEMORY. */
 stilb_result picture_flags_expose(const picture_flags *picture, stilb_scene *scene, bool *metered);
+
+/* True if --exposure says that frames adapt to the light; the scene's camera then has 0. */
+bool picture_flags_adapt(const picture_flags *picture);
+
+/* The settings of effects on the light of frames. */
+stilb_post_settings picture_flags_post(const picture_flags *picture);
 
 /* Sets the tone map of the scene's cameras to that of --tone, if it is given; picture_flags_expose does so, too. */
 void picture_flags_tone(const picture_flags *picture, stilb_scene *scene);

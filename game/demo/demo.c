@@ -111,7 +111,12 @@ static stilb_result demo_start(void *user, live_run *run)
 	if (result != STILB_OK)
 		return result;
 	demo_look(d, run->engine);
+	bool metered = false;
 	picture_flags_tone(&run->options->picture, d->scene);
+	if (run->options->picture.exposure)
+		result = picture_flags_expose(&run->options->picture, d->scene, &metered);
+	if (result != STILB_OK)
+		return result;
 	return stilb_engine_set_scene(run->engine, d->scene);
 }
 

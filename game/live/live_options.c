@@ -65,6 +65,7 @@ static void live_add_run(live_options *o, flag_rows *table)
 	flag_rows_add(table, scale, 1);
 	picture_flags_add(&o->picture, PICTURE_SAMPLES, table);
 	picture_flags_add(&o->picture, PICTURE_DETAIL, table);
+	picture_flags_add(&o->picture, PICTURE_EXPOSURE, table);
 	picture_flags_add(&o->picture, PICTURE_TONE, table);
 	flag_rows_add(table, materials, 1);
 	picture_flags_add(&o->picture, PICTURE_LIGHTING, table);
@@ -456,12 +457,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	                                      .samples = (uint32_t)o->picture.shadow_samples,
 	                                      .bias = (stilb_engine_shadow_bias)o->picture.shadow_bias,
 	                                      .filter = (stilb_engine_shadow_filter)o->picture.shadow_filter};
-	desc.post = (stilb_post_settings){.occlusion = o->picture.occlusion,
-	                                  .occlusion_radius = o->picture.occlusion_radius,
-	                                  .bloom = o->picture.bloom,
-	                                  .bloom_width = o->picture.bloom_width,
-	                                  .bloom_format = (stilb_post_bloom_format)o->picture.bloom_format,
-	                                  .place = (stilb_post_place)o->picture.post_place};
+	desc.post = picture_flags_post(&o->picture);
 	picture_shown image;
 	picture_flags_show(&o->picture, &desc.show, &image);
 	desc.ambient_apart = stilb_engine_image_is_of_one_sample(image.name);

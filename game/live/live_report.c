@@ -173,6 +173,7 @@ stilb_result live_report_save(const live_report *report)
 		stilb_json_double(&json, "error_share", report->last.light_error.share);
 	}
 	stilb_json_end(&json, '}');
+	stilb_json_double(&json, "exposure", (double)report->last.exposure);
 	live_put_shadows(&json, report);
 	stilb_job_pool_stats jobs = stilb_engine_job_stats(report->engine);
 	jobs_json_put(&json, &jobs);
@@ -257,6 +258,8 @@ void live_report_print(const live_report *report)
 		        "lights: off from forward by %.3g / 255 of white (RMS), at most by %.3g; %.3g %% of the pixels by more "
 		        "than 1\n",
 		        255.0 * error->rms, 255.0 * error->most, 100.0 * error->share);
+	if (picture_flags_adapt(&o->picture))
+		fprintf(out, "exposure: %+.2f EV, adapted\n", (double)report->last.exposure);
 	live_print_shadows(report, out);
 	stage bound = live_bound(summary);
 	stilb_engine_gamepad_counts pads = stilb_engine_gamepad_counts_get(report->engine);

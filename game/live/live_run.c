@@ -147,7 +147,12 @@ static stilb_result live_start(live_run *run)
 	desc.pictured = live_on_pictured;
 	desc.user = run;
 	stilb_engine_set_faults(&faults.render);
-	stilb_result result = stilb_engine_create(&desc, &run->engine);
+	stilb_post_table *grade = NULL;
+	stilb_result result = STILB_OK;
+	if (run->options->picture.grade)
+		result = stilb_post_table_open(run->options->picture.grade, &grade);
+	if (result == STILB_OK)
+		result = stilb_engine_create(&desc, &run->engine);
 	if (result == STILB_ERROR_WINDOW) {
 		stilb_log("%s; running headless%s", stilb_error_message(),
 		          run->options->screenshot ? "" : "; --screenshot FILE.png keeps the picture");
@@ -156,6 +161,9 @@ static stilb_result live_start(live_run *run)
 		result = stilb_engine_create(&desc, &run->engine);
 	}
 	run->window = desc.window;
+	if (result == STILB_OK)
+		result = stilb_engine_set_grade(run->engine, grade, NULL, 0);
+	stilb_post_table_destroy(grade);
 	picture_shown image;
 	if (result == STILB_OK && picture_flags_show(&run->options->picture, &desc.show, &image))
 		stilb_engine_show_image(
@@ -229,6 +237,9 @@ static void live_title(live_run *run)
 		return;
 	run->titled_ns = now;
 	run->program->title(run->user, run, title);
+	size_t length = strlen(title);
+	if (picture_flags_adapt(&run->options->picture))
+		snprintf(title + length, sizeof title - length, ", %+.1f EV", (double)run->report.exposure);
 	stilb_engine_set_title(run->engine, title);
 }
 

@@ -294,6 +294,7 @@ static void options_table(offline_options *o, flag_rows *table)
 	picture_flags_add(&o->picture, PICTURE_PLACE, table);
 	picture_flags_add(&o->picture, PICTURE_POSE, table);
 	flag_rows_add(table, motion, sizeof motion / sizeof *motion);
+	picture_flags_add(&o->picture, PICTURE_EXPOSURE, table);
 	picture_flags_add(&o->picture, PICTURE_LOOK, table);
 	picture_flags_add(&o->picture, PICTURE_TONE, table);
 	flag_rows_add(table, lens, sizeof lens / sizeof *lens);
@@ -542,6 +543,10 @@ bool offline_options_check(const offline_options *o)
 	const char *dot = o->output ? strrchr(o->output, '.') : NULL;
 	if (picture_flags_are_transparent(&o->picture) && dot && strcasecmp(dot, ".hdr") == 0) {
 		stilb_log("--background transparent: a .hdr has no alpha; give -o a .png or an .exr");
+		return false;
+	}
+	if (picture_flags_adapt(&o->picture)) {
+		stilb_log("--exposure adapt is of frames, one after another; give EV or auto");
 		return false;
 	}
 	return picture_flags_check(&o->picture) && options_denoise_check(o) && options_lens_check(o) &&

@@ -30,11 +30,27 @@ static inline stilb_result stage_source(void *user, stilb_gpu_plan *plan, uint16
 	return STILB_OK;
 }
 
-static inline void stage_open(post_stage *s, stilb_render_device_kind device, uint32_t width, uint32_t height)
+static inline void stage_source_make(post_stage *s)
+{
+	stilb_gpu_image_desc source = {
+		.name = "source",
+		.extent = {.format = STILB_GPU_RGBA16_F,
+	               .width = s->width,
+	               .height = s->height,
+	               .depth = 1,
+	               .layers = 1,
+	               .mips = 1,
+	               .samples = 1,
+	               .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_FROM | 1u << STILB_GPU_USE_COPY_TO}};
+	assert_int_equal(stilb_gpu_image_create(stilb_render_gpu(s->render), &source, &s->source), STILB_OK);
+}
+
+static inline void stage_open_for(post_stage *s, stilb_render_device_kind device, stilb_render_output output,
+                                  uint32_t width, uint32_t height)
 {
 	*s = (post_stage){.width = width, .height = height, .alpha = 1.0f};
 	stilb_render_desc desc = {.device = device,
-	                          .output = STILB_RENDER_OUTPUT_LINEAR,
+	                          .output = output,
 	                          .width = width,
 	                          .height = height,
 	                          .samples = 1,
@@ -42,20 +58,15 @@ static inline void stage_open(post_stage *s, stilb_render_device_kind device, ui
 	                          .validate = true};
 	if (stilb_render_create(&desc, &s->render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
-	stilb_gpu_image_desc source = {
-		.name = "source",
-		.extent = {.format = STILB_GPU_RGBA16_F,
-	               .width = width,
-	               .height = height,
-	               .depth = 1,
-	               .layers = 1,
-	               .mips = 1,
-	               .samples = 1,
-	               .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_FROM | 1u << STILB_GPU_USE_COPY_TO}};
-	assert_int_equal(stilb_gpu_image_create(stilb_render_gpu(s->render), &source, &s->source), STILB_OK);
+	stage_source_make(s);
 	stilb_render_feature feature = {STILB_RENDER_STAGE_LIGHT, stage_source, s};
 	assert_int_equal(stilb_render_add_feature(s->render, &feature), STILB_OK);
 	assert_int_equal(stilb_post_create(s->render, &s->post), STILB_OK);
+}
+
+static inline void stage_open(post_stage *s, stilb_render_device_kind device, uint32_t width, uint32_t height)
+{
+	stage_open_for(s, device, STILB_RENDER_OUTPUT_LINEAR, width, height);
 }
 
 static inline void stage_close(post_stage *s)
@@ -64,6 +75,16 @@ static inline void stage_close(post_stage *s)
 	stilb_post_destroy(s->post);
 	stilb_gpu_image_destroy(stilb_render_gpu(s->render), s->source);
 	stilb_render_destroy(s->render);
+}
+
+/* Another size of the picture, whose light is then to be given. */
+static inline void stage_resize(post_stage *s, uint32_t width, uint32_t height)
+{
+	assert_int_equal(stilb_render_resize(s->render, width, height), STILB_OK);
+	stilb_gpu_image_destroy(stilb_render_gpu(s->render), s->source);
+	s->width = width;
+	s->height = height;
+	stage_source_make(s);
 }
 
 /* The light that the next frames have: RGB, rows from the top. */
@@ -83,18 +104,27 @@ static inline void stage_light(post_stage *s, const float *rgb)
 	stilb_gpu_upload_end(gpu, bytes);
 }
 
-/* Draws a frame without draws. */
-static inline void stage_draw(post_stage *s)
+static inline stilb_render_view stage_view(void)
 {
-	stilb_render_view view = {.view_projection = stilb_mat4_identity(),
-	                          .shading = stilb_render_shading_default(),
-	                          .backdrop = {.kind = STILB_SCENE_BACKDROP_NOTHING}};
+	return (stilb_render_view){.view_projection = stilb_mat4_identity(),
+	                           .shading = stilb_render_shading_default(),
+	                           .backdrop = {.kind = STILB_SCENE_BACKDROP_NOTHING}};
+}
+
+/* Draws a frame without draws. */
+static inline void stage_draw_view(post_stage *s, stilb_render_view view)
+{
 	stilb_render_pass pass = {.name = "scene"};
 	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
 	assert_int_equal(stilb_render_pass_begin(s->render, 0, 0), STILB_OK);
 	assert_int_equal(stilb_render_pass_end(s->render, 0), STILB_OK);
 	if (stilb_render_replay(s->render, &pass, 1, &view, 1, NULL, 0) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
+}
+
+static inline void stage_draw(post_stage *s)
+{
+	stage_draw_view(s, stage_view());
 }
 
 /* What a frame shows, RGB; to be freed. */

@@ -17,6 +17,13 @@ static void broken_contracts(void **state)
 		{.bloom = NAN},
 		{.bloom_width = 2.0f},
 		{.bloom_width = NAN},
+		{.exposure_low = -0.1f, .exposure_high = 0.5f},
+		{.exposure_low = 0.5f, .exposure_high = 0.5f},
+		{.exposure_high = 1.1f},
+		{.exposure_speed = -1.0f},
+		{.exposure_rate = INFINITY},
+		{.exposure_darkest = 3.0f, .exposure_brightest = 2.0f},
+		{.exposure_darkest = NAN},
 		{.bloom_format = STILB_POST_BLOOM_FORMATS_COUNT},
 	};
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
@@ -24,6 +31,8 @@ static void broken_contracts(void **state)
 		contract_breaks("stilb_post_settings_are_valid", stilb_post_set(s.post, &wrong[i]));
 	}
 	contract_breaks("isfinite", stilb_post_see(s.post, &(stilb_render_view){.exposure = INFINITY}));
+	contract_breaks("seconds >= 0.0f", stilb_post_adapt(s.post, -1.0f));
+	contract_breaks("isfinite(seconds)", stilb_post_adapt(s.post, INFINITY));
 	contract_breaks("render && post", stilb_post_create(NULL, &post));
 	assert_true(stilb_post_settings_are_valid(&(stilb_post_settings){.bloom = 1.0f, .bloom_width = 1.0f}));
 	stilb_post_set(s.post, &(stilb_post_settings){.bloom = 1.0f});

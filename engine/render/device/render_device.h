@@ -110,9 +110,11 @@ typedef struct render_velocity_push {
 /* Constants of shaders/resolve.frag and tone.frag. */
 typedef struct render_tone_push {
 	float exposure;                   /* factor of radiance */
-	uint32_t dither;                  /* 0, 1 */
+	uint32_t dither;                  /* stilb_render_dither */
 	int32_t left, top, width, height; /* of the rectangle of the picture that is filled */
 	int32_t border;
+	int32_t grade_size;
+	float grade_low[4], grade_scale[4]; /* codes to entries: (code - low) scale */
 } render_tone_push;
 
 /* ---- programs ---------------------------------------------------------------------------------------------------- */
@@ -187,8 +189,8 @@ extern const stilb_gpu_shader render_channel_maps_fragment[2][2];   /* as render
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
 /* Where depth alone is drawn. [1: velocities, too] */
 extern const stilb_gpu_shader render_depth_fragment[2], render_impostor_depth_fragment[2], render_velocity_far_fragment;
-extern const stilb_gpu_shader render_backdrop_fragment[2]; /* [1: of a panorama] */
-extern const stilb_gpu_shader render_resolve_fragment, render_tone_fragment;
+extern const stilb_gpu_shader render_backdrop_fragment[2];                      /* [1: of a panorama] */
+extern const stilb_gpu_shader render_resolve_fragment, render_tone_fragment[2]; /* [1: with a grade] */
 
 /* The formulas that a program is compiled with, in the order of the shaders' specialization constants 2, 3, .... */
 typedef enum render_formula {
@@ -273,9 +275,10 @@ typedef struct render_programs {
 	stilb_gpu_program around, difference;
 	stilb_gpu_program volume_depth, volume_count[2]; /* [1: with the bindings of what is apart] */
 	stilb_gpu_program cells[RENDER_CELLS_PASSES];
-	stilb_gpu_program tiles[RENDER_TILES_KINDS][2]; /* [1: with RENDER_LIGHTS_GBUFFER8] but for _GLOSS */
-	stilb_gpu_program tones[2][RENDER_TONES];       /* [1: of an image with a place in the picture] */
-	struct render_function **functions;             /* [RENDER_MAX_FUNCTIONS] NULL: there is none with this index */
+	stilb_gpu_program tiles[RENDER_TILES_KINDS][2];   /* [1: with RENDER_LIGHTS_GBUFFER8] but for _GLOSS */
+	stilb_gpu_program tones[2][RENDER_TONES];         /* [1: of an image with a place in the picture] */
+	stilb_gpu_program grades[2][SHADE_TONE_COUNT][2]; /* likewise, with a table [1: of curves] after the tone map */
+	struct render_function **functions;               /* [RENDER_MAX_FUNCTIONS] NULL: there is none with this index */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
 	stilb_gpu_program show_layers; /* likewise, of all layers of an array */
 } render_programs;
@@ -360,7 +363,8 @@ typedef struct render_frame_target {
 	uint32_t tone; /* SHADE_TONE_... or RENDER_TONE_... */
 	bool data;     /* there is something else in the place of radiance */
 	float exposure;
-	bool dither;
+	stilb_render_dither dither;
+	const stilb_render_grade *grade; /* NULL: none. The caller's, during replay alone */
 } render_frame_target;
 
 /* The frame that is being made. */
@@ -535,6 +539,9 @@ void render_program_vertices(const render_device *device, render_surface surface
 /* Compiles what turns light into the picture. tone: also RENDER_TONE_...; placed: of an image with a place in it.
  * [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
+/* The same with a table of colours, and the program. tone: SHADE_TONE_... [any-thread] */
+stilb_result render_programs_grade(render_device *device, uint32_t tone, bool placed, bool curves,
+                                   stilb_gpu_program *program);
 stilb_result render_programs_backdrop(render_device *device, render_backdrop_kind kind);
 /* What draws velocities where no model is. [any-thread] */
 stilb_result render_programs_velocity(render_device *device);

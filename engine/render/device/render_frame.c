@@ -450,9 +450,15 @@ static stilb_result frame_first(render_device *device, const render_stream *stre
 	target->data = render_view_is_data(view);
 	target->transparent = frame_is_transparent(view);
 	target->exposure = target->data ? 1.0f : exp2f(view->exposure);
-	target->dither = view->dither && !target->data && view->show != STILB_RENDER_SHOW_ERROR;
+	target->dither = target->data || view->show == STILB_RENDER_SHOW_ERROR ? STILB_RENDER_DITHER_OFF : view->dither;
 	target->tone = render_view_tone(view);
+	target->grade = device->output == STILB_RENDER_OUTPUT_DISPLAY && !target->data && target->tone < SHADE_TONE_COUNT
+	                    ? view->grade
+	                    : NULL;
+	stilb_gpu_program graded;
 	stilb_result result = render_programs_tone(device, target->tone, target->from);
+	if (result == STILB_OK && target->grade)
+		result = render_programs_grade(device, target->tone, target->from, target->grade->curves, &graded);
 	return result == STILB_OK && backdrop ? frame_backdrop(device, stream, target) : result;
 }
 

@@ -424,7 +424,7 @@ stilb_result render_programs_tone(render_device *device, uint32_t tone, bool pla
 	uint32_t samples[1] = {device->samples}, curve[3] = {tone, display, placed};
 	stilb_gpu_program *toned = &programs->tones[placed][tone];
 	pthread_mutex_lock(&programs->lock);
-	stilb_result result = program_screen(device, "tone", render_tone_fragment, curve, 3, toned);
+	stilb_result result = program_screen(device, "tone", render_tone_fragment[0], curve, 3, toned);
 	if (result == STILB_OK && device->samples > 1)
 		result = program_screen(device, "resolve", render_resolve_fragment, samples, 1, &programs->resolve);
 	pthread_mutex_unlock(&programs->lock);
@@ -433,6 +433,25 @@ stilb_result render_programs_tone(render_device *device, uint32_t tone, bool pla
 	if (result == STILB_OK && device->samples > 1)
 		result = stilb_gpu_program_prepare(device->gpu, programs->resolve, &color, 1, STILB_GPU_NONE, 1);
 	return result;
+}
+
+stilb_result render_programs_grade(render_device *device, uint32_t tone, bool placed, bool curves,
+                                   stilb_gpu_program *program)
+{
+	STILB_ASSERT(tone < SHADE_TONE_COUNT);
+	render_programs *programs = &device->programs;
+	stilb_gpu_format picture = render_picture_format(device);
+	stilb_gpu_program *graded = &programs->grades[placed][tone][curves];
+	stilb_gpu_program_desc desc = {.name = "tone, grade", .fragment = render_tone_fragment[1], .samplers = 2};
+	uint32_t constants[4] = {tone, device->output == STILB_RENDER_OUTPUT_DISPLAY, placed, curves};
+	for (uint32_t c = 0; c < 4; c++)
+		program_constant(&desc, c, constants[c]);
+	pthread_mutex_lock(&programs->lock);
+	stilb_result result = program_once(device, &desc, graded);
+	pthread_mutex_unlock(&programs->lock);
+	*program = *graded;
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *graded, &picture, 1, STILB_GPU_NONE, 1)
+	                          : result;
 }
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */

@@ -443,6 +443,9 @@ static const uint32_t resolve_frag[] =
 static const uint32_t tone_frag[] =
 #include "tone.frag.inc"
 	;
+static const uint32_t tone_grade_frag[] =
+#include "tone_grade.frag.inc"
+	;
 
 #define SHADER(code)                                                                                                   \
 	{                                                                                                                  \
@@ -639,4 +642,4 @@ const stilb_gpu_shader render_impostor_depth_fragment[2] = {SHADER(impostor_dept
 const stilb_gpu_shader render_velocity_far_fragment = SHADER(velocity_far_frag);
 const stilb_gpu_shader render_backdrop_fragment[2] = {SHADER(backdrop_frag), SHADER(backdrop_panorama_frag)};
 const stilb_gpu_shader render_resolve_fragment = SHADER(resolve_frag);
-const stilb_gpu_shader render_tone_fragment = SHADER(tone_frag);
+const stilb_gpu_shader render_tone_fragment[2] = {SHADER(tone_frag), SHADER(tone_grade_frag)};

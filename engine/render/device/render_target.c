@@ -172,7 +172,8 @@ static bool target_place(const render_device *device, const render_frame_target 
 	return target->color != 0 && place[2] > 0;
 }
 
-/* A fullscreen pass that samples `from` and fills an area of `to`, all zeros: all of it. */
+/* A fullscreen pass that samples `from`, besides what its row has already, and fills an area of `to`, all zeros: all
+ * of it. */
 static void target_screen(render_device *device, stilb_gpu_pass row, uint16_t from, stilb_gpu_attachment to,
                           stilb_gpu_sampler sampler, render_tone_push push)
 {
@@ -180,7 +181,7 @@ static void target_screen(render_device *device, stilb_gpu_pass row, uint16_t fr
 	row.color[0] = to;
 	row.color_count = 1;
 	row.uses[0] = (stilb_gpu_use){.resource = from, .how = STILB_GPU_USE_SAMPLED, .sampler = (uint8_t)sampler.id};
-	row.use_count = 1;
+	row.use_count = row.use_count > 1 ? row.use_count : 1;
 	memcpy(row.constants, &push, sizeof push);
 	row.constant_bytes = sizeof push;
 	stilb_gpu_plan_pass(device->plan, &row);
@@ -237,6 +238,33 @@ stilb_result render_target_compare(render_device *device, const render_frame_tar
 	return STILB_OK;
 }
 
+/* Has the row that shows the target look up its colours in a table. */
+static void target_grade(render_device *device, const render_frame_target *target, stilb_gpu_pass *row,
+                         render_tone_push *push)
+{
+	const stilb_render_grade *grade = target->grade;
+	uint32_t size = grade->size;
+	stilb_gpu_plan_image_row image = {.name = "grade",
+	                                  .format = STILB_GPU_RGBA32_F,
+	                                  .shape = STILB_GPU_SHAPE_3D,
+	                                  .width = grade->curves ? 256 : size,
+	                                  .height = grade->curves ? (size + 255) / 256 : size,
+	                                  .depth = grade->curves ? 1 : size,
+	                                  .owned = grade->table.id};
+	uint16_t table = stilb_gpu_plan_find(device->plan, image.name);
+	if (table == 0)
+		table = stilb_gpu_plan_image(device->plan, &image);
+	row->name = "tone map, grade";
+	row->program = device->programs.grades[(bool)target->from][target->tone][grade->curves].id;
+	row->uses[1] = (stilb_gpu_use){.resource = table, .how = STILB_GPU_USE_SAMPLED, .slot = 1};
+	row->use_count = 2;
+	push->grade_size = (int32_t)size;
+	for (int c = 0; c < 3; c++) {
+		push->grade_low[c] = grade->low[c];
+		push->grade_scale[c] = (float)(size - 1) / (grade->high[c] - grade->low[c]);
+	}
+}
+
 void render_targets_show(render_device *device, uint16_t main_light)
 {
 	render_frame *frame = &device->frame;
@@ -253,11 +281,18 @@ void render_targets_show(render_device *device, uint16_t main_light)
 		                                             : frame->shown ? STILB_GPU_LOAD_KEEP
 		                                                            : STILB_GPU_LOAD_CLEAR),
 		                           .clear = {0.0f, 0.0f, 0.0f, 1.0f}};
+		render_tone_push push = {.exposure = target->exposure,
+		                         .dither = target->dither,
+		                         .left = row.area[0],
+		                         .top = row.area[1],
+		                         .width = row.area[2],
+		                         .height = row.area[3],
+		                         .border = target->from ? target->from->border : 0};
 		row.program = device->programs.tones[(bool)target->from][target->tone].id;
+		if (target->grade)
+			target_grade(device, target, &row, &push);
 		target_screen(device, row, target == main ? main_light : target->color, to,
-		              scaled ? device->linear : (stilb_gpu_sampler){0},
-		              (render_tone_push){target->exposure, target->dither, row.area[0], row.area[1], row.area[2],
-		                                 row.area[3], target->from ? target->from->border : 0});
+		              scaled ? device->linear : (stilb_gpu_sampler){0}, push);
 		frame->shown = true;
 	}
 }

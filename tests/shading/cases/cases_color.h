@@ -46,8 +46,18 @@
 	X(28, shade_filmic, 1e-5f, 1e-6f)                                                                                  \
 	X(29, shade_filmic_inverse, 1e-5f, 1e-6f)                                                                          \
 	X(30, shade_tone, 1e-5f, 1e-6f)                                                                                    \
-	X(31, shade_tone_inverse, 2e-5f, 1e-5f)
-#define SHADE_CASES_COLOR_COUNT 32
+	X(31, shade_tone_inverse, 2e-5f, 1e-5f)                                                                            \
+	X(32, shade_shown_by_luminance, 1e-5f, 1e-6f)                                                                      \
+	X(33, shade_shown_by_luminance_inverse, 1e-5f, 1e-6f)                                                              \
+	X(34, shade_piecewise_curve, 1e-5f, 1e-6f)                                                                         \
+	X(35, shade_piecewise_curve_inverse, 2e-5f, 1e-6f)                                                                 \
+	X(36, shade_piecewise, 1e-5f, 1e-6f)                                                                               \
+	X(37, shade_piecewise_inverse, 2e-5f, 1e-6f)                                                                       \
+	X(38, shade_hable_curve, 1e-5f, 1e-6f)                                                                             \
+	X(39, shade_hable_curve_inverse, 1e-5f, 1e-6f)                                                                     \
+	X(40, shade_hable, 1e-5f, 1e-6f)                                                                                   \
+	X(41, shade_hable_inverse, 1e-5f, 1e-6f)
+#define SHADE_CASES_COLOR_COUNT 42
 
 /* Rows 0 to 9. color is dim, bright or black; a < b. */
 SHADE_FN vec4 shade_case_tonemap(int row, vec3 color, float share, float a, float b)
@@ -104,10 +114,10 @@ SHADE_FN vec4 shade_case_encoding(int row, vec3 color, vec4 a, vec4 b)
 	return vec4(shade_logluv_decode(vec4(0.2f + 0.4f * a[0], 0.6f + 0.3f * a[1], 127.0f / 255.0f, a[3])), 0.0f);
 }
 
-/* Rows 24 to 31. color is dim, bright or black; shown, share in [0, 1). */
+/* Rows 24 to 41. color is dim, bright or black; shown, share in [0, 1). */
 SHADE_FN vec4 shade_case_tone(int row, vec3 color, vec3 shown, float share)
 {
-	int tone = int(share * 3.999f);
+	int tone = int(share * 6.999f);
 	if (row == 24)
 		return vec4(shade_neutral(color), 0.0f);
 	if (row == 25)
@@ -122,7 +132,27 @@ SHADE_FN vec4 shade_case_tone(int row, vec3 color, vec3 shown, float share)
 		return vec4(shade_filmic_inverse(shown), 0.0f);
 	if (row == 30)
 		return vec4(shade_tone(tone, color), 0.0f);
-	return vec4(shade_tone_inverse(tone, shown), 0.0f);
+	if (row == 31)
+		return vec4(shade_tone_inverse(tone, shown), 0.0f);
+	if (row == 32)
+		return vec4(shade_shown_by_luminance(color), 0.0f);
+	if (row == 33)
+		return vec4(shade_shown_by_luminance_inverse(shown), 0.0f);
+	if (row == 34)
+		return vec4(shade_piecewise_curve(color[0]), 0.0f, 0.0f, 0.0f);
+	if (row == 35)
+		return vec4(shade_piecewise_curve_inverse(shown[0]), 0.0f, 0.0f, 0.0f);
+	if (row == 36)
+		return vec4(shade_piecewise(color), 0.0f);
+	if (row == 37)
+		return vec4(shade_piecewise_inverse(shown), 0.0f);
+	if (row == 38)
+		return vec4(shade_hable_curve(color[0]), 0.0f, 0.0f, 0.0f);
+	if (row == 39)
+		return vec4(shade_hable_curve_inverse(shown[0]), 0.0f, 0.0f, 0.0f);
+	if (row == 40)
+		return vec4(shade_hable(color), 0.0f);
+	return vec4(shade_hable_inverse(shown), 0.0f);
 }
 
 SHADE_FN vec4 shade_case_color(int row, vec4 a, vec4 b)
