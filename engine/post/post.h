@@ -17,9 +17,9 @@
  *            weights are those of a quadratic B-spline, whose sums are the same wherever a pixel lies, so that what
  *            moves does not flicker. NaN and infinite light stays where it is and scatters nothing.
  *            With FIXED the images between hold T(c) = c / (1 + c's largest channel) in 8 bits, half the bytes.
- * Place      These two are computed by programs of the device, or by the CPU's threads between two submissions: the same
- *            pixels but for rounding, which is between images in half floats there and in floats here; bloom_format is
- *            then of no account.
+ * Place      These two are computed by programs of the device, or by the CPU's threads between two submissions: the
+ *            same pixels but for rounding, which is between images in half floats there and in floats here;
+ *            bloom_format is then of no account.
  * Exposure   Each frame the device counts pixels by luminance, 16 classes a stop, from 2^-16 to 2^16 W sr^-1 m^-2;
  *            others, NaN among them, are left out. The mean of log2 of what lies between two percentiles is to be shown
  *            as 0.18 of display white, and the exposure goes there: its distance d from there, in stops, falls by
