@@ -140,6 +140,45 @@ static const char *const live_images[][2] = {
 	{"reflection", "likewise what highlights mirror"},
 };
 
+/* Takes what the preset says and no flag does. */
+static void live_take_preset(live_options *o, const flag_rows *table, int argc, char **argv)
+{
+	picture_flags *p = &o->picture;
+	const stilb_post_preset *preset = o->preset;
+	const stilb_post_settings *s = &preset->settings;
+	const struct {
+		const char *flag;
+		void *to;
+		const void *from;
+	} words[] = {
+		{"--ao", &p->occlusion, &s->occlusion},
+		{"--ao-radius", &p->occlusion_radius, &s->occlusion_radius},
+		{"--bloom", &p->bloom, &s->bloom},
+		{"--bloom-width", &p->bloom_width, &s->bloom_width},
+		{"--bloom-format", &p->bloom_format, &s->bloom_format},
+		{"--post", &p->post_place, &s->place},
+		{"--dither", &p->dither, &s->dither},
+	};
+	static_assert(sizeof(float) == 4 && sizeof(int) == 4 && sizeof(stilb_post_place) == 4, "each has four bytes");
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		if (!flags_given(table->rows, table->count, argc, argv, words[i].flag))
+			memcpy(words[i].to, words[i].from, 4);
+	p->post = *s;
+	if (!p->exposure && preset->has_exposure) {
+		snprintf(o->preset_exposure, sizeof o->preset_exposure, s->exposure_adapts ? "adapt" : "%.9g",
+		         (double)preset->exposure);
+		p->exposure = o->preset_exposure;
+	}
+	if (p->tone == PICTURE_NOT_GIVEN && preset->has_tone)
+		p->tone = (int)preset->tone;
+}
+
+void live_options_finish(live_options *o)
+{
+	stilb_post_preset_destroy(o->preset);
+	o->preset = NULL;
+}
+
 flags_result live_options_parse(live_options *o, const live_help *help, const flag *own, size_t own_count, int argc,
                                 char **argv)
 {
@@ -151,6 +190,13 @@ flags_result live_options_parse(live_options *o, const live_help *help, const fl
 	live_add_windows(o, &table);
 	live_add_output(o, &table);
 	flags_result result = flags_parse(table.rows, table.count, argc, argv);
+	if (result == FLAGS_OK && o->picture.preset) {
+		if (stilb_post_preset_open(o->picture.preset, &o->preset) != STILB_OK) {
+			stilb_log("--preset: %s", stilb_error_message());
+			return FLAGS_REFUSED;
+		}
+		live_take_preset(o, &table, argc, argv);
+	}
 	if (result == FLAGS_HELP) {
 		printf("%s\n\n", help->purpose);
 		flags_print(table.rows, table.count);

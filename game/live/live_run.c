@@ -130,6 +130,15 @@ static void live_on_pictured(void *user, const stilb_engine_pictured *pictured)
 	run->picture_result = series ? pictured->result : STILB_OK;
 }
 
+/* The table of --grade, or else of the preset, and the preset's areas. */
+static stilb_result live_set_grade(const live_run *run, const stilb_post_table *grade)
+{
+	const stilb_post_preset *preset = run->options->preset;
+	if (!preset)
+		return stilb_engine_set_grade(run->engine, grade, NULL, 0);
+	return stilb_engine_set_grade(run->engine, grade ? grade : preset->grade, preset->areas, preset->area_count);
+}
+
 /* Creates the engine and then the scene, which would be made in vain without a driver; without a display the engine
  * runs headless, after a line that says so. */
 static stilb_result live_start(live_run *run)
@@ -162,7 +171,7 @@ static stilb_result live_start(live_run *run)
 	}
 	run->window = desc.window;
 	if (result == STILB_OK)
-		result = stilb_engine_set_grade(run->engine, grade, NULL, 0);
+		result = live_set_grade(run, grade);
 	stilb_post_table_destroy(grade);
 	picture_shown image;
 	if (result == STILB_OK && picture_flags_show(&run->options->picture, &desc.show, &image))

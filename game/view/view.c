@@ -446,8 +446,10 @@ int view_command(int argc, char **argv)
 	flags_result parsed = live_options_parse(&v.options, &help, own.rows, own.count, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
-	if (parsed == FLAGS_REFUSED || !view_check(&v))
+	if (parsed == FLAGS_REFUSED || !view_check(&v)) {
+		live_options_finish(&v.options);
 		return EXIT_REFUSED;
+	}
 	view_rays_begin(&v.rays);
 	v.environment = v.options.picture.environment;
 	v.name = strdup(name ? name : VIEW_SCENE);
@@ -457,6 +459,7 @@ int view_command(int argc, char **argv)
 	}
 	live_run run = {.options = &v.options, .program = &program, .user = &v};
 	int code = live_run_main(&run);
+	live_options_finish(&v.options);
 	stilb_scene_destroy(v.scene);
 	free(v.dropping);
 	free(v.dropped);
