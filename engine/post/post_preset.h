@@ -10,9 +10,9 @@
  *     "areas": [{"low": [-4, 0, -3], "high": [0, 3, 3], "blend": 1, "exposure": 0.5, "grade": "cold.cube"}]
  *   }
  *
- * Members   Any of these, each at most once, with the meaning and the range of stilb_post_settings and stilb_post_area; what
- *           is left out is as in {0}. Files of tables lie beside the preset, or have whole paths. An area needs low and
- *           high; its blend is 1 if it says none. Another member is an error that names it.
+ * Members   Any of these, each at most once, with the meaning and the range of stilb_post_settings and
+ *           stilb_post_area; what is left out is as in {0}. Files of tables lie beside the preset, or have whole paths.
+ *           An area needs low and high; its blend is 1 if it says none. Another member is an error that names it.
  * Threads   [any-thread] for presets that nobody destroys.
  */
 #ifndef STILB_POST_PRESET_H
@@ -37,8 +37,8 @@ typedef struct stilb_post_preset {
 	uint32_t area_count;
 } stilb_post_preset;
 
-/* Reads a preset and the tables that it names. STILB_ERROR_FILE: a file cannot be read, or is wrong; the message has its
- * name and the line. STILB_ERROR_MEMORY. *preset is NULL then. */
+/* Reads a preset and the tables that it names. STILB_ERROR_FILE: a file cannot be read, or is wrong; the message has
+ * its name and the line. STILB_ERROR_MEMORY. *preset is NULL then. */
 stilb_result stilb_post_preset_open(const char *path, stilb_post_preset **preset);
 /* Accepts NULL. */
 void stilb_post_preset_destroy(stilb_post_preset *preset);
