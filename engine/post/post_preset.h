@@ -25,6 +25,9 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
+/* A scene's own look is called SCENE and this behind it, as `stilb view` finds it. */
+#define STILB_POST_PRESET_SUFFIX ".post.json"
+
 typedef struct stilb_post_preset {
 	stilb_post_settings settings; /* valid */
 	bool has_exposure;            /* it says stops, or that it adapts; then exposure counts, 0 if it adapts */
