@@ -48,6 +48,7 @@ set(headers
 	debug/debug_draw.h
 	post/post.h
 	post/post_table.h
+	post/post_preset.h
 	engine.h
 	gi/gi_scene.h gi/gi_render.h)
 set(elsewhere jobs/job.h profiler/prof_capture.h) # public headers of the libraries that install themselves

@@ -49,6 +49,7 @@
 #include "input/input_control.h"
 #include "jobs/job.h"
 #include "post/post.h"
+#include "post/post_preset.h"
 #include "profiler/prof_capture.h"
 #include "render/render.h"
 #include "scene/edit/scene_variant.h"

@@ -105,13 +105,12 @@ typedef struct stilb_post_settings {
 	stilb_post_place place;
 	stilb_post_dither dither; /* of pictures of 8 bits */
 	bool exposure_adapts;     /* the exposure follows the light of frames; else there is no such row */
-	float exposure_low;   /* percentiles between which light counts, shares of the pixels that are counted, 0..1, the */
-	float exposure_high;  /* first below the second; both 0: 0.7 and 0.97 */
-	float exposure_speed; /* a, 1 / seconds, >= 0 and finite; 0: 2 */
-	float exposure_rate;  /* r, stops a second, >= 0 and finite; 0: 4 */
-	float
-		exposure_darkest; /* what the exposure lies between, stops, -32..32, the first below the second; both 0: -16 */
-	float exposure_brightest; /* and 16 */
+	/* Percentiles between which light counts, shares of the pixels that are counted, 0..1, low < high; both 0: 0.7 and
+	 * 0.97. */
+	float exposure_low, exposure_high;
+	float exposure_speed;                       /* a, 1 / seconds, >= 0 and finite; 0: 2 */
+	float exposure_rate;                        /* r, stops a second, >= 0 and finite; 0: 4 */
+	float exposure_darkest, exposure_brightest; /* what it lies between, stops, -32..32, in order; both 0: -16 and 16 */
 } stilb_post_settings;
 
 /* With defaults in place of zeros that stand for them. settings: valid. [any-thread] */

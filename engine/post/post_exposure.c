@@ -158,7 +158,9 @@ void post_exposure_finish(stilb_post *post)
 
 stilb_result stilb_post_adapt(stilb_post *post, float seconds)
 {
-	STILB_ASSERT(post && seconds >= 0.0f && isfinite(seconds));
+	STILB_ASSERT(post);
+	STILB_ASSERT(seconds >= 0.0f);
+	STILB_ASSERT(isfinite(seconds));
 	post_meter *meter = &post->meter;
 	if (!post->settings.exposure_adapts)
 		return STILB_OK;

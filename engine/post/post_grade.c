@@ -77,7 +77,8 @@ static bool grade_area_is_valid(const stilb_post_area *area)
 stilb_result stilb_post_set_grade(stilb_post *post, const stilb_post_table *table, const stilb_post_area *areas,
                                   uint32_t count)
 {
-	STILB_ASSERT(post && count <= STILB_POST_MAX_AREAS && (areas || count == 0));
+	STILB_ASSERT(post && (areas || count == 0));
+	STILB_ASSERT(count <= STILB_POST_MAX_AREAS);
 	post_grading *grading = &post->grading, set = {.count = count};
 	bool copied = !table || (set.tables[STILB_POST_MAX_AREAS] = grade_copy(table));
 	for (uint32_t a = 0; a < count; a++) {

@@ -238,6 +238,8 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 	     stilb_post_dither_names},
 		{"--grade", FLAG_TEXT, &p->grade, "FILE.cube", "a table of colours that the picture is shown through (none)", 0,
 	     0, NULL},
+		{"--preset", FLAG_TEXT, &p->preset, "FILE.json", "a look: all of these settings, as far as no flag says others",
+	     0, 0, NULL},
 	};
 	flag_rows_add(table, post, sizeof post / sizeof *post);
 }
@@ -271,14 +273,16 @@ stilb_render_detail picture_flags_detail(const picture_flags *p)
 
 stilb_post_settings picture_flags_post(const picture_flags *p)
 {
-	return (stilb_post_settings){.occlusion = p->occlusion,
-	                             .occlusion_radius = p->occlusion_radius,
-	                             .bloom = p->bloom,
-	                             .bloom_width = p->bloom_width,
-	                             .bloom_format = (stilb_post_bloom_format)p->bloom_format,
-	                             .place = (stilb_post_place)p->post_place,
-	                             .dither = (stilb_post_dither)p->dither,
-	                             .exposure_adapts = picture_flags_adapt(p)};
+	stilb_post_settings settings = p->post;
+	settings.occlusion = p->occlusion;
+	settings.occlusion_radius = p->occlusion_radius;
+	settings.bloom = p->bloom;
+	settings.bloom_width = p->bloom_width;
+	settings.bloom_format = (stilb_post_bloom_format)p->bloom_format;
+	settings.place = (stilb_post_place)p->post_place;
+	settings.dither = (stilb_post_dither)p->dither;
+	settings.exposure_adapts = picture_flags_adapt(p);
+	return settings;
 }
 
 bool picture_flags_parts(const picture_flags *p)

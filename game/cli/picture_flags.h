@@ -43,7 +43,8 @@ typedef struct picture_flags {
 	uint64_t max_anisotropy;                     /* 0 if not given */
 	float occlusion, occlusion_radius;           /* of stilb_post_settings */
 	int dither;                                  /* a stilb_post_dither */
-	const char *grade;                           /* NULL if not given */
+	const char *grade, *preset;                  /* NULL if not given */
+	stilb_post_settings post;                    /* those of the preset, for what has no flag */
 	float bloom, bloom_width;                    /* likewise */
 	int bloom_format, post_place;                /* a stilb_post_bloom_format, a stilb_post_place */
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */

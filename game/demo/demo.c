@@ -166,6 +166,20 @@ static void demo_finish(void *user)
 	        d->figures, counts.sampled, counts.channels, counts.still, counts.waiting);
 }
 
+/* Refuses flags without those that they are of. */
+static bool demo_check(const demo *d)
+{
+	if (d->strings && d->lamps == 0) {
+		stilb_log("--light-strings is of --lights, the number of bulbs; give that, too");
+		return false;
+	}
+	if (d->carried && d->figures == 0) {
+		stilb_log("--carried-lights is of --figures, which carry them; give that, too");
+		return false;
+	}
+	return true;
+}
+
 int demo_command(int argc, char **argv)
 {
 	static const live_program program = {
@@ -207,14 +221,8 @@ int demo_command(int argc, char **argv)
 	flags_result parsed = live_options_parse(&d.options, &help, own, sizeof own / sizeof *own, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
-	if (parsed == FLAGS_REFUSED || !live_options_check(&d.options))
-		return EXIT_REFUSED;
-	if (d.strings && d.lamps == 0) {
-		stilb_log("--light-strings is of --lights, the number of bulbs; give that, too");
-		return EXIT_REFUSED;
-	}
-	if (d.carried && d.figures == 0) {
-		stilb_log("--carried-lights is of --figures, which carry them; give that, too");
+	if (parsed == FLAGS_REFUSED || !live_options_check(&d.options) || !demo_check(&d)) {
+		live_options_finish(&d.options);
 		return EXIT_REFUSED;
 	}
 	if (d.light < 0)
@@ -223,6 +231,7 @@ int demo_command(int argc, char **argv)
 	                                 (uint32_t)d.light, 0};
 	live_run run = {.options = &d.options, .program = &program, .user = &d, .light = &d.lights};
 	int code = live_run_main(&run);
+	live_options_finish(&d.options);
 	stilb_scene_destroy(d.scene);
 	return code;
 }

@@ -140,6 +140,49 @@ static const char *const live_images[][2] = {
 	{"reflection", "likewise what highlights mirror"},
 };
 
+/* Flags that a preset says, too, in the order of the bits of post_given. */
+static const char *const live_look_flags[] = {"--ao",   "--ao-radius", "--bloom",    "--bloom-width", "--bloom-format",
+                                              "--post", "--dither",    "--exposure", "--tone"};
+
+void live_options_look(live_options *o, stilb_post_preset *preset)
+{
+	STILB_ASSERT(o);
+	static const stilb_post_settings none = {0};
+	picture_flags *p = &o->picture;
+	const stilb_post_settings *s = preset ? &preset->settings : &none;
+	const struct {
+		void *to;
+		const void *from;
+	} words[] = {
+		{&p->occlusion, &s->occlusion},     {&p->occlusion_radius, &s->occlusion_radius}, {&p->bloom, &s->bloom},
+		{&p->bloom_width, &s->bloom_width}, {&p->bloom_format, &s->bloom_format},         {&p->post_place, &s->place},
+		{&p->dither, &s->dither},
+	};
+	enum { WORDS = sizeof words / sizeof *words, EXPOSURE = WORDS, TONE };
+	static_assert(sizeof(float) == 4 && sizeof(int) == 4 && sizeof(stilb_post_place) == 4, "each has four bytes");
+	for (uint32_t i = 0; i < WORDS; i++)
+		if (!(o->look_given >> i & 1u))
+			memcpy(words[i].to, words[i].from, 4);
+	p->post = *s;
+	if (!(o->look_given >> EXPOSURE & 1u)) {
+		bool says = preset && preset->has_exposure;
+		if (says)
+			snprintf(o->look_exposure, sizeof o->look_exposure, s->exposure_adapts ? "adapt" : "%.9g",
+			         (double)preset->exposure);
+		p->exposure = says ? o->look_exposure : NULL;
+	}
+	if (!(o->look_given >> TONE & 1u))
+		p->tone = preset && preset->has_tone ? (int)preset->tone : PICTURE_NOT_GIVEN;
+	stilb_post_preset_destroy(o->preset);
+	o->preset = preset;
+}
+
+void live_options_finish(live_options *o)
+{
+	stilb_post_preset_destroy(o->preset);
+	o->preset = NULL;
+}
+
 flags_result live_options_parse(live_options *o, const live_help *help, const flag *own, size_t own_count, int argc,
                                 char **argv)
 {
@@ -151,6 +194,16 @@ flags_result live_options_parse(live_options *o, const live_help *help, const fl
 	live_add_windows(o, &table);
 	live_add_output(o, &table);
 	flags_result result = flags_parse(table.rows, table.count, argc, argv);
+	for (uint32_t i = 0; result == FLAGS_OK && i < sizeof live_look_flags / sizeof *live_look_flags; i++)
+		o->look_given |= (uint32_t)flags_given(table.rows, table.count, argc, argv, live_look_flags[i]) << i;
+	if (result == FLAGS_OK && o->picture.preset) {
+		stilb_post_preset *preset;
+		if (stilb_post_preset_open(o->picture.preset, &preset) != STILB_OK) {
+			stilb_log("--preset: %s", stilb_error_message());
+			return FLAGS_REFUSED;
+		}
+		live_options_look(o, preset);
+	}
 	if (result == FLAGS_HELP) {
 		printf("%s\n\n", help->purpose);
 		flags_print(table.rows, table.count);

@@ -22,6 +22,9 @@
 
 typedef struct live_options {
 	picture_flags picture;
+	stilb_post_preset *preset;     /* of --preset, or the scene's own; NULL: none */
+	uint32_t look_given;           /* which flags were given that a preset says, too */
+	char look_exposure[32];        /* what picture.exposure is from there */
 	uint32_t brdf;                 /* a SHADE_BRDF_: the command's default, set before parsing */
 	uint64_t frames, profile_ring; /* frames: 0 if not given */
 	uint64_t pictures; /* > 0: end after so many frames, and save each under --screenshot's name with a number */
@@ -57,6 +60,13 @@ flags_result live_options_parse(live_options *o, const live_help *help, const fl
 /* Checks what the table of flags cannot express: flags that contradict each other, and the files. Returns false after
  * one line on stderr. Starts nothing and writes nothing. */
 bool live_options_check(const live_options *o);
+
+/* Takes a preset, which is the options' from then on, NULL: none, in place of the one before: what it says counts where
+ * no flag was given. */
+void live_options_look(live_options *o, stilb_post_preset *preset);
+
+/* Frees what parsing has opened. */
+void live_options_finish(live_options *o);
 
 /* The description of the engine for options that live_options_check accepted. It points to strings of *o. */
 stilb_engine_desc live_options_engine(const live_options *o);

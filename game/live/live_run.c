@@ -130,6 +130,20 @@ static void live_on_pictured(void *user, const stilb_engine_pictured *pictured)
 	run->picture_result = series ? pictured->result : STILB_OK;
 }
 
+stilb_result live_run_grade(const live_run *run)
+{
+	const live_options *o = run->options;
+	stilb_post_table *grade = NULL;
+	stilb_result result = o->picture.grade ? stilb_post_table_open(o->picture.grade, &grade) : STILB_OK;
+	if (result == STILB_OK && o->preset)
+		result = stilb_engine_set_grade(run->engine, grade ? grade : o->preset->grade, o->preset->areas,
+		                                o->preset->area_count);
+	else if (result == STILB_OK)
+		result = stilb_engine_set_grade(run->engine, grade, NULL, 0);
+	stilb_post_table_destroy(grade);
+	return result;
+}
+
 /* Creates the engine and then the scene, which would be made in vain without a driver; without a display the engine
  * runs headless, after a line that says so. */
 static stilb_result live_start(live_run *run)
@@ -147,12 +161,7 @@ static stilb_result live_start(live_run *run)
 	desc.pictured = live_on_pictured;
 	desc.user = run;
 	stilb_engine_set_faults(&faults.render);
-	stilb_post_table *grade = NULL;
-	stilb_result result = STILB_OK;
-	if (run->options->picture.grade)
-		result = stilb_post_table_open(run->options->picture.grade, &grade);
-	if (result == STILB_OK)
-		result = stilb_engine_create(&desc, &run->engine);
+	stilb_result result = stilb_engine_create(&desc, &run->engine);
 	if (result == STILB_ERROR_WINDOW) {
 		stilb_log("%s; running headless%s", stilb_error_message(),
 		          run->options->screenshot ? "" : "; --screenshot FILE.png keeps the picture");
@@ -162,8 +171,7 @@ static stilb_result live_start(live_run *run)
 	}
 	run->window = desc.window;
 	if (result == STILB_OK)
-		result = stilb_engine_set_grade(run->engine, grade, NULL, 0);
-	stilb_post_table_destroy(grade);
+		result = live_run_grade(run);
 	picture_shown image;
 	if (result == STILB_OK && picture_flags_show(&run->options->picture, &desc.show, &image))
 		stilb_engine_show_image(

@@ -65,6 +65,10 @@ struct live_run {
 	_Atomic(char *) told;
 };
 
+/* Gives the engine the table of --grade, or else the preset's, and the preset's areas. STILB_ERROR_FILE,
+ * STILB_ERROR_MEMORY. */
+stilb_result live_run_grade(const live_run *run);
+
 /* Runs until the frames are drawn, the window is closed or a signal comes; writes the outputs; destroys the engine.
  * Returns the exit code. The program frees its scene afterwards. */
 int live_run_main(live_run *run);

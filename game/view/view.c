@@ -5,12 +5,14 @@
 #include "game/commands.h"
 #include "shading/shade_brdf.h"
 
+#include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <time.h>
+#include <unistd.h>
 
 #define VIEW_SCENE "spheres" /* without a scene: it has textures and all kinds of materials */
 
@@ -184,6 +186,12 @@ static stilb_result view_arrived(view *v)
 		view_watch_finish(&come.watch);
 		return view_fails(v, result);
 	}
+	if (come.looks) {
+		stilb_post_settings look = picture_flags_post(&v->options.picture);
+		stilb_engine_set_post(v->run->engine, &look);
+		if (live_run_grade(v->run) != STILB_OK)
+			view_warn(v, "%s", stilb_error_message());
+	}
 	view_start_detail(v);
 	view_settle_environment(v, true);
 	v->run->starting = false;
@@ -199,6 +207,26 @@ static stilb_result view_arrived(view *v)
 	return STILB_OK;
 }
 
+/* Takes the look that lies beside the scene's file, or none; --preset counts for all scenes. */
+static stilb_result view_take_look(view *v, const char *name, bool *looks)
+{
+	char path[PATH_MAX];
+	stilb_post_preset *preset = NULL;
+	if (v->options.picture.preset)
+		return STILB_OK;
+	snprintf(path, sizeof path, "%s" STILB_POST_PRESET_SUFFIX, name);
+	if (access(path, F_OK) == 0) {
+		stilb_result result = stilb_post_preset_open(path, &preset);
+		if (result != STILB_OK)
+			return result;
+		if (!v->options.picture.quiet)
+			stilb_log("%s: pictures are shown as this file says", path);
+	}
+	*looks = preset || v->options.preset; /* else what the user has chosen stays */
+	live_options_look(&v->options, preset);
+	return STILB_OK;
+}
+
 /* Makes what has been opened ready to be shown: in a window beside the frames. */
 static stilb_result view_opened(view *v)
 {
@@ -209,6 +237,8 @@ static stilb_result view_opened(view *v)
 	stilb_result result = view_load_taken(v, &come.scene, come.again ? &v->watch : &come.watch, &come.cost);
 	if (result == STILB_OK && !come.name)
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
+	if (result == STILB_OK)
+		result = view_take_look(v, come.name, &come.looks);
 	if (result == STILB_OK)
 		result = view_ready(v, come.scene, come.again, &come.metered);
 	if (result == STILB_OK && v->run->window)
@@ -446,8 +476,10 @@ int view_command(int argc, char **argv)
 	flags_result parsed = live_options_parse(&v.options, &help, own.rows, own.count, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
-	if (parsed == FLAGS_REFUSED || !view_check(&v))
+	if (parsed == FLAGS_REFUSED || !view_check(&v)) {
+		live_options_finish(&v.options);
 		return EXIT_REFUSED;
+	}
 	view_rays_begin(&v.rays);
 	v.environment = v.options.picture.environment;
 	v.name = strdup(name ? name : VIEW_SCENE);
@@ -457,6 +489,7 @@ int view_command(int argc, char **argv)
 	}
 	live_run run = {.options = &v.options, .program = &program, .user = &v};
 	int code = live_run_main(&run);
+	live_options_finish(&v.options);
 	stilb_scene_destroy(v.scene);
 	free(v.dropping);
 	free(v.dropped);

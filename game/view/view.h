@@ -32,6 +32,7 @@ typedef struct view_coming {
 	char *name;
 	view_load_cost cost;
 	view_watch watch;    /* of its file, unless `again` */
+	bool looks;          /* its pictures have a look of their own, or those before had */
 	bool again, metered; /* a new state of the file that is shown; its exposure was metered */
 } view_coming;
 

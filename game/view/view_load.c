@@ -3,11 +3,13 @@
 #include "geometry/geometry_detail.h"
 #include "geometry/horde/geometry_horde.h"
 
+#include <limits.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 struct view_load {
 	char *name;
@@ -76,6 +78,15 @@ static void load_detail(view_load *load)
 	stilb_job_pool_destroy(pool);
 }
 
+/* The file of the scene's look is watched, too. */
+static void load_look(view_load *load)
+{
+	char path[PATH_MAX];
+	snprintf(path, sizeof path, "%s" STILB_POST_PRESET_SUFFIX, load->name);
+	if (access(path, F_OK) == 0)
+		load_opened(load, path);
+}
+
 static void *load_run(void *data)
 {
 	view_load *load = data;
@@ -88,6 +99,7 @@ static void *load_run(void *data)
 	                                    .dark = true,
 	                                    .import_bytes = &load->cost.import_bytes};
 	load->result = stilb_scene_open_with(load->name, &options, &load->scene);
+	load_look(load);
 	if (load->result == STILB_OK)
 		load->result = picture_flags_pose(load->picture, load->scene);
 	if (load->result == STILB_OK)

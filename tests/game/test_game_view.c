@@ -376,6 +376,36 @@ static void lights_what_has_no_light(void **state)
 	stilb_good("view ball.obj --headless --size 8x8 --environment 1,1,1");
 }
 
+/* A look is --preset's, or else that of the file beside the scene; flags count over both, and mistakes end the run. */
+static void shows_looks(void **state)
+{
+	(void)state;
+	write_ball();
+	write_text("dark.cube", "LUT_1D_SIZE 2\n0 0 0\n0.1 0.1 0.1\n");
+	write_text("p.json", "{\"tone\": \"hable\", \"exposure\": -2, \"bloom\": 0.1}");
+	write_text("ball.obj.post.json", "{\"tone\": \"piecewise\", \"exposure\": 1, \"grade\": \"dark.cube\"}");
+	stilb_good("view ball.obj --headless --screenshot a.png --plan a.txt " SMALL);
+	assert_true(says_in_png("a.png", "stilb:tone", "piecewise") && says_in_png("a.png", "stilb:exposure", "1"));
+	assert_in_range(green_at("a.png", 1, 94), 1, 26);
+	assert_null(strstr(run.err, "this file says"));
+	const char *loud = "view ball.obj --headless --screenshot b.png --tone knee --exposure 0.5 --size 96x96";
+	assert_int_equal(stilb_code(no_display, loud), 0);
+	assert_said(run.err, "ball.obj.post.json: pictures are shown as this file says");
+	assert_true(says_in_png("b.png", "stilb:tone", "knee") && says_in_png("b.png", "stilb:exposure", "0.5"));
+	stilb_good("view ball.obj --headless --screenshot c.png --preset p.json --plan c.txt " SMALL);
+	assert_true(says_in_png("c.png", "stilb:tone", "hable") && says_in_png("c.png", "stilb:exposure", "-2"));
+	assert_null(strstr(run.err, "this file says"));
+	stilb_good("demo --models 4 --headless --frames 1 --screenshot d.png --preset p.json --size 32x32");
+	assert_true(says_in_png("d.png", "stilb:tone", "hable") && says_in_png("d.png", "stilb:exposure", "-2"));
+	write_text("ball.obj.post.json", "{\"tones\": \"piecewise\"}");
+	assert_int_equal(stilb_code(no_display, "view ball.obj --headless --screenshot a.png " SMALL), 2);
+	assert_said(run.err, "ball.obj.post.json: JSON line 1, column 3: 'tones' is no member of a preset");
+	assert_int_equal(stilb_code(no_display, "view ball.obj --headless --preset none.json " SMALL), 2);
+	assert_said(run.err, "--preset: cannot read 'none.json'");
+	assert_int_equal(stilb_code(no_display, "view ball.obj --headless --grade p.json --preset p.json " SMALL), 2);
+	assert_said(run.err, "p.json: line 1: it begins with no word");
+}
+
 /* What is shown behind a model is what was asked for, whatever the exposure. */
 static void shows_backgrounds(void **state)
 {
@@ -544,6 +574,9 @@ static void refuses(void **state)
 		{"view --camera 1,2,3 --headless", "is not X,Y,Z,YAW,PITCH[,FOV]"},
 		{"view --exposure bright --headless", "neither auto nor adapt nor a number in -32..32"},
 		{"view --exposure 33 --headless", "neither auto nor adapt nor a number in -32..32"},
+		{"view --exposure adapt --background 1,0,0 --headless", "--background 1,0,0 is shown as it is"},
+		{"render cornell -o a.png --exposure adapt", "--exposure adapt is of frames"},
+		{"view cornell --headless --dither blue", "--dither"},
 		{"view --msaa 2 --headless", "--msaa"},
 		{"view cornell --headless --show color:one", "is no IMAGE:MIP"},
 		{"view cornell --headless --show color:0:1:2", "is no IMAGE:MIP"},
@@ -583,6 +616,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(chooses_a_camera, folder_fresh),
 		cmocka_unit_test_setup(lights_what_has_no_light, folder_fresh),
 		cmocka_unit_test_setup(shows_backgrounds, folder_fresh),
+		cmocka_unit_test_setup(shows_looks, folder_fresh),
 		cmocka_unit_test_setup(shows_channels, folder_fresh),
 		cmocka_unit_test_setup(draws_into_the_world, folder_fresh),
 		cmocka_unit_test_setup(insets_and_scales, folder_fresh),

@@ -202,7 +202,7 @@ if [ -e "$build/stilb" ]; then
 	packages=$(dirname "$(find "$whole" -name stilb-engine.pc)")
 	has_headers "a place" base.h base_math.h cull.h debug_draw.h engine.h geometry.h geometry_detail.h geometry_horde.h geometry_impostor.h geometry_levels.h geometry_lights.h gi_render.h gi_scene.h gpu.h gpu_device.h gpu_format.h gpu_plan.h image.h input.h input_actions.h input_camera.h \
 		input_control.h input_pad.h job.h job.hpp job_graph.h job_memory.h job_prof.h job_queue.h job_range.h job_sort.h \
-		job_spsc.h light.h post.h post_table.h prof.h prof_capture.h prof_diff.h prof_inline.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h \
+		job_spsc.h light.h post.h post_preset.h post_table.h prof.h prof_capture.h prof_diff.h prof_inline.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h \
 		render.h scene.h scene_animation.h scene_build.h scene_channel.h scene_edit.h scene_function.h scene_impostor.h scene_lights.h scene_look.h scene_node.h scene_pick.h scene_play.h scene_streams.h scene_surface.h scene_variant.h shade_model.h shadow.h \
 		ui_draw.h window.h
 	PKG_CONFIG_LIBDIR=$scratch refuses "libpng is not found; on Debian: apt install libpng-dev" scene \

@@ -25,6 +25,7 @@ static void broken_contracts(void **state)
 		{.exposure_darkest = 3.0f, .exposure_brightest = 2.0f},
 		{.exposure_darkest = NAN},
 		{.bloom_format = STILB_POST_BLOOM_FORMATS_COUNT},
+		{.dither = STILB_POST_DITHERS_COUNT},
 	};
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
 		assert_false(stilb_post_settings_are_valid(&wrong[i]));
@@ -32,7 +33,15 @@ static void broken_contracts(void **state)
 	}
 	contract_breaks("isfinite", stilb_post_see(s.post, &(stilb_render_view){.exposure = INFINITY}));
 	contract_breaks("seconds >= 0.0f", stilb_post_adapt(s.post, -1.0f));
-	contract_breaks("isfinite(seconds)", stilb_post_adapt(s.post, INFINITY));
+	contract_breaks("finite", stilb_post_adapt(s.post, INFINITY));
+	static const stilb_post_area flat = {.high = {1.0f, 1.0f, 0.0f}};
+	static const stilb_post_area endless = {.high = {1.0f, 1.0f, 1.0f}, .blend = INFINITY};
+	stilb_post_table *table;
+	contract_breaks("grade_area_is_valid", stilb_post_set_grade(s.post, NULL, &flat, 1));
+	contract_breaks("grade_area_is_valid", stilb_post_set_grade(s.post, NULL, &endless, 1));
+	contract_breaks("count <= 64", stilb_post_set_grade(s.post, NULL, &flat, STILB_POST_MAX_AREAS + 1));
+	contract_breaks("areas || count == 0", stilb_post_set_grade(s.post, NULL, NULL, 1));
+	contract_breaks("size >= 2", stilb_post_table_identity(1, &table));
 	contract_breaks("render && post", stilb_post_create(NULL, &post));
 	assert_true(stilb_post_settings_are_valid(&(stilb_post_settings){.bloom = 1.0f, .bloom_width = 1.0f}));
 	stilb_post_set(s.post, &(stilb_post_settings){.bloom = 1.0f});

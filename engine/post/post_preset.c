@@ -1,0 +1,346 @@
+/* Reading presets. */
+#include "post/post_preset.h"
+
+#include "base/base_contract.h"
+#include "base/base_file.h"
+#include "scene/open/scene_json.h"
+#include "scene/scene_look.h"
+#include "shading/shade_tonemap.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PRESET_BYTES (1u << 20) /* of a file, at most */
+#define PRESET_FAR 1e6f         /* metres, either way, of an area */
+#define PRESET_MOST 1000.0f     /* of what has no other end */
+#define PRESET_STOPS 32.0f
+
+typedef struct preset_reader {
+	const char *path;
+	scene_json json;
+	stilb_post_preset *preset;
+	stilb_result result; /* of files of tables */
+} preset_reader;
+
+/* ---- values ------------------------------------------------------------------------------------------------------ */
+
+static float preset_number(preset_reader *r, uint32_t key, float low, float high)
+{
+	char name[32];
+	double number = scene_json_value(&r->json, key + 1);
+	scene_json_copy(&r->json, key, name, sizeof name);
+	if (!(number >= (double)low && number <= (double)high))
+		scene_json_blame(&r->json, key + 1, "'%s' is no number from %g to %g", name, (double)low, (double)high);
+	return (float)number;
+}
+
+/* The index of a word in a NULL-terminated list. */
+static uint32_t preset_choice(preset_reader *r, uint32_t key, const char *const *words)
+{
+	char name[32], list[256] = "";
+	size_t used = 0;
+	for (uint32_t i = 0; words[i]; i++) {
+		if (scene_json_is(&r->json, key + 1, words[i]))
+			return i;
+		if (used < sizeof list)
+			used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i > 0 ? ", " : "", words[i]);
+	}
+	scene_json_copy(&r->json, key, name, sizeof name);
+	scene_json_blame(&r->json, key + 1, "'%s' is none of %s", name, list);
+	return 0;
+}
+
+/* Numbers of an array, each in its range. */
+static void preset_numbers(preset_reader *r, uint32_t object, uint32_t key, float *out, uint32_t count, float low,
+                           float high)
+{
+	char name[32];
+	scene_json_copy(&r->json, key, name, sizeof name);
+	bool good = scene_json_numbers(&r->json, object, name, out, count);
+	for (uint32_t i = 0; good && i < count; i++)
+		good = out[i] >= low && out[i] <= high;
+	if (!good)
+		scene_json_blame(&r->json, key + 1, "'%s' is not %u numbers from %g to %g", name, count, (double)low,
+		                 (double)high);
+}
+
+/* The table of a file beside the preset. */
+static stilb_post_table *preset_table(preset_reader *r, uint32_t key)
+{
+	char file[PATH_MAX], path[PATH_MAX];
+	const char *slash = strrchr(r->path, '/');
+	stilb_post_table *table = NULL;
+	size_t size = scene_json_copy(&r->json, key + 1, file, sizeof file);
+	if (r->json.fault[0])
+		return NULL;
+	int folder = slash && file[0] != '/' ? (int)(slash - r->path + 1) : 0;
+	if (size >= sizeof file || snprintf(path, sizeof path, "%.*s%s", folder, r->path, file) >= (int)sizeof path)
+		scene_json_blame(&r->json, key + 1, "the name of the table is too long");
+	else
+		r->result = stilb_post_table_open(path, &table);
+	return table;
+}
+
+/* ---- members ----------------------------------------------------------------------------------------------------- */
+
+typedef enum preset_kind { PRESET_NUMBER, PRESET_PAIR, PRESET_CHOICE } preset_kind;
+
+/* Members that are settings. */
+typedef struct preset_field {
+	const char *key;
+	preset_kind kind;
+	size_t at; /* in stilb_post_settings; of a pair that of the first float, behind which the second stands */
+	float low, high;
+	const char *const *words;
+} preset_field;
+
+#define AT(member) offsetof(stilb_post_settings, member)
+static_assert(AT(exposure_high) == AT(exposure_low) + sizeof(float) &&
+                  AT(exposure_brightest) == AT(exposure_darkest) + sizeof(float),
+              "pairs");
+static_assert(sizeof(stilb_post_bloom_format) == sizeof(uint32_t) && sizeof(stilb_post_dither) == sizeof(uint32_t) &&
+                  sizeof(stilb_post_place) == sizeof(uint32_t),
+              "choices are written as such");
+
+static const preset_field preset_fields[] = {
+	{"ao", PRESET_NUMBER, AT(occlusion), 0.0f, 1.0f, NULL},
+	{"ao_radius", PRESET_NUMBER, AT(occlusion_radius), 0.0f, PRESET_FAR, NULL},
+	{"bloom", PRESET_NUMBER, AT(bloom), 0.0f, 1.0f, NULL},
+	{"bloom_width", PRESET_NUMBER, AT(bloom_width), 0.0f, 1.0f, NULL},
+	{"bloom_format", PRESET_CHOICE, AT(bloom_format), 0.0f, 0.0f, stilb_post_bloom_format_names},
+	{"post", PRESET_CHOICE, AT(place), 0.0f, 0.0f, stilb_post_place_names},
+	{"dither", PRESET_CHOICE, AT(dither), 0.0f, 0.0f, stilb_post_dither_names},
+	{"exposure_percentiles", PRESET_PAIR, AT(exposure_low), 0.0f, 1.0f, NULL},
+	{"exposure_speed", PRESET_NUMBER, AT(exposure_speed), 0.0f, PRESET_MOST, NULL},
+	{"exposure_rate", PRESET_NUMBER, AT(exposure_rate), 0.0f, PRESET_MOST, NULL},
+	{"exposure_range", PRESET_PAIR, AT(exposure_darkest), -PRESET_STOPS, PRESET_STOPS, NULL},
+};
+#undef AT
+enum { PRESET_FIELDS = sizeof preset_fields / sizeof *preset_fields };
+
+/* The members of the preset that are more than a setting, and those of an area. */
+enum { PRESET_EXPOSURE = PRESET_FIELDS, PRESET_TONE, PRESET_GRADE, PRESET_AREAS, PRESET_MEMBERS };
+static const char *const preset_others[] = {"exposure", "tone", "grade", "areas"};
+enum { AREA_LOW, AREA_HIGH, AREA_BLEND, AREA_EXPOSURE, AREA_GRADE, AREA_MEMBERS };
+static const char *const area_members[AREA_MEMBERS] = {"low", "high", "blend", "exposure", "grade"};
+
+static const char *preset_member(uint32_t which)
+{
+	return which < PRESET_FIELDS ? preset_fields[which].key : preset_others[which - PRESET_FIELDS];
+}
+
+/* The number of a member by its key; a fault if there is none of that name, or if it was seen before. */
+static uint32_t preset_which(preset_reader *r, uint32_t key, bool area, uint32_t *seen)
+{
+	uint32_t count = area ? AREA_MEMBERS : PRESET_MEMBERS, which = 0;
+	char name[48], list[160] = "";
+	size_t used = 0;
+	while (which < count && !scene_json_is(&r->json, key, area ? area_members[which] : preset_member(which)))
+		which++;
+	scene_json_copy(&r->json, key, name, sizeof name);
+	for (uint32_t i = 0; area && i < count && used < sizeof list; i++)
+		used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i > 0 ? ", " : "", area_members[i]);
+	if (which == count)
+		scene_json_blame(&r->json, key, "'%s' is no member of %s%s", name, area ? "an area: " : "a preset", list);
+	else if (*seen >> which & 1u)
+		scene_json_blame(&r->json, key, "'%s' was there before", name);
+	*seen |= which < count ? 1u << which : 0u;
+	return which;
+}
+
+/* The next key of an object; SCENE_JSON_NONE: there is none, or there was a fault. */
+static uint32_t preset_next(const preset_reader *r, uint32_t object, uint32_t key)
+{
+	uint32_t next = r->json.tokens[key + 1].next;
+	bool more = next < r->json.tokens[object].next && r->json.fault[0] == '\0' && r->result == STILB_OK;
+	return more ? next : SCENE_JSON_NONE;
+}
+
+static bool preset_is_object(preset_reader *r, uint32_t token, const char *what)
+{
+	bool is = r->json.tokens[token].kind == SCENE_JSON_OBJECT;
+	if (!is)
+		scene_json_blame(&r->json, token, "%s is no object { ... }", what);
+	return is;
+}
+
+static void preset_area(preset_reader *r, uint32_t object)
+{
+	stilb_post_preset *p = r->preset;
+	uint32_t seen = 0, number = p->area_count;
+	if (number == STILB_POST_MAX_AREAS) {
+		scene_json_blame(&r->json, object, "there are more than %u areas", STILB_POST_MAX_AREAS);
+		return;
+	}
+	stilb_post_area *area = &p->areas[number];
+	*area = (stilb_post_area){.blend = 1.0f};
+	p->area_count++;
+	if (!preset_is_object(r, object, "an area"))
+		return;
+	for (uint32_t key = scene_json_first(&r->json, object); key != SCENE_JSON_NONE; key = preset_next(r, object, key))
+		switch (preset_which(r, key, true, &seen)) {
+		case AREA_LOW:
+			preset_numbers(r, object, key, area->low, 3, -PRESET_FAR, PRESET_FAR);
+			break;
+		case AREA_HIGH:
+			preset_numbers(r, object, key, area->high, 3, -PRESET_FAR, PRESET_FAR);
+			break;
+		case AREA_BLEND:
+			area->blend = preset_number(r, key, 0.0f, PRESET_FAR);
+			break;
+		case AREA_EXPOSURE:
+			area->exposure = preset_number(r, key, -PRESET_STOPS, PRESET_STOPS);
+			break;
+		case AREA_GRADE:
+			area->table = p->area_grades[number] = preset_table(r, key);
+			break;
+		default:
+			break;
+		}
+	for (int c = 0; c < 3; c++)
+		if (!(area->low[c] < area->high[c]))
+			scene_json_blame(&r->json, object, "the area's 'low' is not below its 'high' in each of three numbers");
+}
+
+static void preset_setting(preset_reader *r, uint32_t object, uint32_t key, const preset_field *field)
+{
+	char *at = (char *)&r->preset->settings + field->at;
+	float pair[2];
+	if (field->kind == PRESET_CHOICE) {
+		uint32_t choice = preset_choice(r, key, field->words);
+		memcpy(at, &choice, sizeof choice);
+		return;
+	}
+	if (field->kind == PRESET_NUMBER) {
+		pair[0] = preset_number(r, key, field->low, field->high);
+		memcpy(at, pair, sizeof *pair);
+		return;
+	}
+	preset_numbers(r, object, key, pair, 2, field->low, field->high);
+	if (!(pair[0] < pair[1]))
+		scene_json_blame(&r->json, key + 1, "'%s' is not a lower and a higher number", field->key);
+	memcpy(at, pair, sizeof pair);
+}
+
+static void preset_exposure(preset_reader *r, uint32_t key)
+{
+	stilb_post_preset *p = r->preset;
+	p->has_exposure = true;
+	p->settings.exposure_adapts = scene_json_is(&r->json, key + 1, "adapt");
+	if (p->settings.exposure_adapts)
+		return;
+	if (r->json.tokens[key + 1].kind == SCENE_JSON_NUMBER)
+		p->exposure = preset_number(r, key, -PRESET_STOPS, PRESET_STOPS);
+	else
+		scene_json_blame(&r->json, key + 1, "'exposure' is neither \"adapt\" nor a number of stops");
+}
+
+static void preset_areas(preset_reader *r, uint32_t object)
+{
+	uint32_t list = scene_json_array(&r->json, object, "areas");
+	for (uint32_t at = scene_json_first(&r->json, list);
+	     at != SCENE_JSON_NONE && r->json.fault[0] == '\0' && r->result == STILB_OK;
+	     at = scene_json_after(&r->json, list, at))
+		preset_area(r, at);
+}
+
+static void preset_read(preset_reader *r)
+{
+	stilb_post_preset *p = r->preset;
+	uint32_t seen = 0, root = SCENE_JSON_ROOT;
+	if (!preset_is_object(r, root, "a preset"))
+		return;
+	for (uint32_t key = scene_json_first(&r->json, root); key != SCENE_JSON_NONE; key = preset_next(r, root, key)) {
+		uint32_t which = preset_which(r, key, false, &seen);
+		if (which < PRESET_FIELDS)
+			preset_setting(r, root, key, &preset_fields[which]);
+		else if (which == PRESET_EXPOSURE)
+			preset_exposure(r, key);
+		else if (which == PRESET_GRADE)
+			p->grade = preset_table(r, key);
+		else if (which == PRESET_AREAS)
+			preset_areas(r, root);
+		else if (which == PRESET_TONE)
+			p->tone = preset_choice(r, key, stilb_scene_tone_names);
+		p->has_tone |= which == PRESET_TONE;
+	}
+}
+
+/* ---- files ------------------------------------------------------------------------------------------------------- */
+
+/* All bytes of the file; to be freed. */
+static stilb_result preset_text(const char *path, char **text, size_t *size)
+{
+	FILE *file;
+	*text = NULL;
+	stilb_result result = stilb_file_read_open(path, &file);
+	if (result != STILB_OK)
+		return result;
+	*text = malloc(PRESET_BYTES + 1);
+	*size = *text ? fread(*text, 1, PRESET_BYTES + 1, file) : 0;
+	int error = ferror(file) ? errno : 0;
+	fclose(file);
+	if (*text && error == 0 && *size <= PRESET_BYTES)
+		return STILB_OK;
+	result = !*text       ? stilb_fail(STILB_ERROR_MEMORY, "%s: no memory to read it", path)
+	         : error != 0 ? stilb_fail(STILB_ERROR_FILE, "%s: cannot be read: %s", path, strerror(error))
+	                      : stilb_fail(STILB_ERROR_FILE, "%s: it is larger than 1 MiB: it is no preset", path);
+	free(*text);
+	*text = NULL;
+	return result;
+}
+
+/* The outcome of what was read, with the file's name. */
+static stilb_result preset_outcome(const preset_reader *r)
+{
+	char words[512];
+	if (r->result != STILB_OK || r->json.fault[0] == '\0') {
+		snprintf(words, sizeof words, "%s", stilb_error_message());
+		return r->result == STILB_OK ? STILB_OK : stilb_fail(r->result, "%s: %s", r->path, words);
+	}
+	return stilb_fail(STILB_ERROR_FILE, "%s: %s", r->path, r->json.fault);
+}
+
+stilb_result stilb_post_preset_open(const char *path, stilb_post_preset **preset)
+{
+	STILB_ASSERT(path && preset);
+	char *text;
+	size_t size;
+	*preset = NULL;
+	stilb_result result = preset_text(path, &text, &size);
+	if (result != STILB_OK)
+		return result;
+	preset_reader r = {.path = path, .preset = calloc(1, sizeof *r.preset)};
+	if (!r.preset) {
+		free(text);
+		return stilb_fail(STILB_ERROR_MEMORY, "%s: no memory for a preset", path);
+	}
+	r.result = scene_json_parse(&r.json, text, size);
+	if (r.result == STILB_OK)
+		preset_read(&r);
+	result = preset_outcome(&r);
+	scene_json_finish(&r.json);
+	free(text);
+	if (result != STILB_OK) {
+		stilb_post_preset_destroy(r.preset);
+		return result;
+	}
+	STILB_ASSERT(stilb_post_settings_are_valid(&r.preset->settings));
+	*preset = r.preset;
+	return STILB_OK;
+}
+
+void stilb_post_preset_destroy(stilb_post_preset *preset)
+{
+	if (!preset)
+		return;
+	stilb_post_table_destroy(preset->grade);
+	for (uint32_t a = 0; a < STILB_POST_MAX_AREAS; a++)
+		stilb_post_table_destroy(preset->area_grades[a]);
+	free(preset);
+}
