@@ -96,7 +96,8 @@ void stilb_engine_set_faults(const stilb_render_faults *faults)
 static bool engine_is_of_one_sample(const stilb_engine_desc *desc)
 {
 	return stilb_render_lighting_is_of_one_sample(desc->lighting) || desc->ambient_apart ||
-	       desc->post.occlusion > 0.0f || desc->shadows.kind == STILB_ENGINE_SHADOWS_BUFFER;
+	       desc->post.occlusion > 0.0f || desc->post.aa == STILB_POST_AA_TEMPORAL ||
+	       desc->shadows.kind == STILB_ENGINE_SHADOWS_BUFFER;
 }
 
 static stilb_result engine_create_render(stilb_engine *engine)
@@ -307,6 +308,7 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 		engine->visible[v].count = 0; /* they are of the scene before */
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
 		engine->lasts[v].known = false;
+	stilb_post_forget(engine->post);
 	engine->panorama = scene ? scene->surroundings.panorama.pixels : NULL;
 	engine->dumpable = false; /* the views have the lights of the scene before */
 	engine_shadows_forget(&engine->shadows);

@@ -649,6 +649,8 @@ void stilb_engine_set_ambient(stilb_engine *engine, stilb_render_ambient ambient
 
 /* The effects on the light of frames from the next one on. Settings are valid (post.h). Occlusion has one sample a
  * pixel, which desc.samples 0 gives if desc.post has it; an engine with several draws none, and a line says so.
+ * Temporal antialiasing, too, gets one sample by desc.samples 0, and goes with several; frames then draw velocities and
+ * models, as with desc.surfaces.
  * Pictures that files keep as radiance, dumps, and the program's picture (stilb_engine_picture) are without effects.
  * [main-thread] */
 stilb_post_settings stilb_engine_post(const stilb_engine *engine);

@@ -162,6 +162,16 @@ static void cameras_reference(stilb_engine *engine)
 	engine->passes[number] = (stilb_render_pass){.name = target->name, .view = number, .order = number};
 }
 
+/* Decides whether frames show a moment that is paused. */
+static void cameras_hold(stilb_engine *engine)
+{
+	bool paused = engine->playing.pace == 0.0f,
+		 same = memcmp(&engine->lasts[0].view_projection, &engine->views[0].view_projection, sizeof(stilb_mat4)) == 0;
+	bool was = engine->holds;
+	engine->holds = !paused || (was && same && engine->scene->moved_count == 0);
+	stilb_post_hold(engine->post, paused && engine->holds);
+}
+
 void engine_cameras_frame(stilb_engine *engine)
 {
 	uint32_t width, height;
@@ -169,6 +179,7 @@ void engine_cameras_frame(stilb_engine *engine)
 	engine->peak.known &= stilb_scene_changes_read(engine->scene).material_count == 0;
 	engine->targets[0] = camera_target(engine, "color", engine->place, 0, 0);
 	camera_view(engine, 0, &engine->scene->camera);
+	cameras_hold(engine);
 	const stilb_render_target *main = &engine->targets[0];
 	if (main->width == width && main->height == height && main->place[2] == width && main->place[3] == height)
 		engine->views[0].target = NULL; /* as large as the picture and in all of it */
@@ -187,6 +198,36 @@ void engine_cameras_frame(stilb_engine *engine)
 	if (engine->views[0].show == STILB_RENDER_SHOW_ERROR)
 		cameras_reference(engine);
 	engine->pass_count = engine->view_count;
+}
+
+/* Moves what a matrix projects, in shares of half a picture. */
+static void camera_move(stilb_mat4 *m, const float by[2])
+{
+	for (int c = 0; c < 4; c++)
+		for (int r = 0; r < 2; r++)
+			m->m[4 * c + r] += by[r] * m->m[4 * c + 3];
+}
+
+void engine_cameras_jitter(stilb_engine *engine, engine_steady *steady)
+{
+	stilb_render_view *view = &engine->views[0];
+	engine_last *last = &engine->lasts[0];
+	*steady = (engine_steady){view->view_projection, last->view_projection};
+	if (engine->desc.post.aa != STILB_POST_AA_TEMPORAL || view->show != STILB_RENDER_SHOW_SHADED || !view->last)
+		return;
+	const stilb_render_target *target = &engine->targets[0];
+	float by[2];
+	stilb_post_jitter(engine->frame, by);
+	by[0] *= 2.0f / (float)target->width;
+	by[1] *= 2.0f / (float)target->height;
+	camera_move(&view->view_projection, by);
+	camera_move(&last->view_projection, by); /* velocities are without */
+}
+
+void engine_cameras_steady(stilb_engine *engine, const engine_steady *steady)
+{
+	engine->views[0].view_projection = steady->view_projection;
+	engine->lasts[0].view_projection = steady->last;
 }
 
 void engine_cameras_drawn(stilb_engine *engine)

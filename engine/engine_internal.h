@@ -211,6 +211,11 @@ typedef struct engine_last {
 	stilb_mat4 view_projection;
 } engine_last;
 
+/* The matrices of the scene's own view without jitter. */
+typedef struct engine_steady {
+	stilb_mat4 view_projection, last;
+} engine_steady;
+
 /* The shadow maps of a frame; {0} at first. */
 typedef struct engine_shadows {
 	stilb_sphere bounds; /* of what is drawn, and some room */
@@ -270,6 +275,7 @@ struct stilb_engine {
 	char target_names[ENGINE_MAX_VIEWS][STILB_RENDER_TARGET_NAME + 1];
 	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* the models that each view sees in this frame */
 	engine_last lasts[ENGINE_MAX_VIEWS];          /* by view */
+	bool holds; /* nothing has moved since clips were paused: motion blur shows what moved before */
 	/* The image that the program shows is of velocities, or in the same passes; of surfaces; of ambient_apart. */
 	bool shows_velocity, shows_surfaces, shows_ambient;
 	uint32_t view_count;
@@ -318,18 +324,25 @@ void engine_pick_forget(const stilb_engine *engine, const stilb_scene_changes *c
 /* True if frames draw normals and models of surfaces, or velocities. */
 static inline bool engine_draws_surfaces(const stilb_engine *engine)
 {
-	return engine->desc.surfaces || engine->shows_surfaces;
+	return engine->desc.surfaces || engine->shows_surfaces || engine->desc.post.aa == STILB_POST_AA_TEMPORAL;
 }
 
 static inline bool engine_draws_velocity(const stilb_engine *engine)
 {
-	return engine->desc.velocity || engine->shows_velocity || engine_draws_surfaces(engine);
+	return engine->desc.velocity || engine->shows_velocity || engine->desc.post.motion_blur > 0.0f ||
+	       engine_draws_surfaces(engine);
 }
 
 /* engine_cameras.c */
 
 /* Fills the tables of views, targets and passes for this frame, which has a scene. */
 void engine_cameras_frame(stilb_engine *engine);
+
+/* For the time of the replay: the jitter of temporal antialiasing, a part of a pixel, moves what the scene's own view
+ * draws. Culling, levels and shadow maps have been without; so is what comes after. */
+void engine_cameras_jitter(stilb_engine *engine, engine_steady *steady);
+void engine_cameras_steady(stilb_engine *engine, const engine_steady *steady);
+
 /* The device has got the frame. */
 void engine_cameras_drawn(stilb_engine *engine);
 

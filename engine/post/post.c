@@ -11,6 +11,7 @@
 const char *const stilb_post_bloom_format_names[] = {STILB_POST_BLOOM_FORMATS(POST_NAME) NULL};
 const char *const stilb_post_place_names[] = {STILB_POST_PLACES(POST_NAME) NULL};
 const char *const stilb_post_dither_names[] = {STILB_POST_DITHERS(POST_NAME) NULL};
+const char *const stilb_post_aa_names[] = {STILB_POST_AAS(POST_NAME) NULL};
 
 static bool post_is_share(float value)
 {
@@ -24,7 +25,9 @@ bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
 	       isfinite(settings->occlusion_radius) && post_is_share(settings->bloom) &&
 	       post_is_share(settings->bloom_width) && (unsigned)settings->bloom_format < STILB_POST_BLOOM_FORMATS_COUNT &&
 	       (unsigned)settings->place < STILB_POST_PLACES_COUNT &&
-	       (unsigned)settings->dither < STILB_POST_DITHERS_COUNT && post_exposure_is_valid(settings);
+	       (unsigned)settings->dither < STILB_POST_DITHERS_COUNT && post_exposure_is_valid(settings) &&
+	       (unsigned)settings->aa < STILB_POST_AA_COUNT && post_is_share(settings->motion_blur) &&
+	       post_is_share(settings->motion_blur_most);
 }
 
 stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settings)
@@ -33,6 +36,8 @@ stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settin
 	stilb_post_settings filled = *settings;
 	if (filled.bloom_width == 0.0f)
 		filled.bloom_width = POST_BLOOM_DEFAULT_WIDTH;
+	if (filled.motion_blur_most == 0.0f)
+		filled.motion_blur_most = POST_MOTION_DEFAULT_MOST;
 	if (filled.occlusion_radius == 0.0f)
 		filled.occlusion_radius = POST_OCCLUSION_DEFAULT_RADIUS;
 	post_exposure_defaults(&filled);
@@ -49,17 +54,24 @@ static bool post_is_by_cpu(const stilb_post *post, const stilb_gpu_plan *plan, u
 	return cpu && stilb_gpu_plan_extent(plan, image)->format == STILB_GPU_RGBA16_F;
 }
 
+static stilb_result post_bloom_choose(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light)
+{
+	bool fixed = post->settings.place == STILB_POST_PLACE_AUTO && post->settings.bloom_format == STILB_POST_BLOOM_FIXED;
+	return post_is_by_cpu(post, plan, *light) && !fixed ? post_host_bloom_add(post, plan, light)
+	                                                    : post_bloom_add(post, plan, light);
+}
+
 static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *light)
 {
 	stilb_post *post = user;
 	stilb_result result = STILB_OK;
-	if (post->settings.exposure_adapts && post->shows_light)
+	if (post->settings.aa == STILB_POST_AA_TEMPORAL && post->follows)
+		result = post_temporal_add(post, plan, light);
+	if (result == STILB_OK && post->settings.motion_blur > 0.0f && post->follows)
+		result = post_motion_add(post, plan, light);
+	if (result == STILB_OK && post->settings.exposure_adapts && post->shows_light)
 		result = post_exposure_add(post, plan, *light);
-	if (result != STILB_OK || post->settings.bloom == 0.0f)
-		return result;
-	bool fixed = post->settings.place == STILB_POST_PLACE_AUTO && post->settings.bloom_format == STILB_POST_BLOOM_FIXED;
-	return post_is_by_cpu(post, plan, *light) && !fixed ? post_host_bloom_add(post, plan, light)
-	                                                    : post_bloom_add(post, plan, light);
+	return result == STILB_OK && post->settings.bloom > 0.0f ? post_bloom_choose(post, plan, light) : result;
 }
 
 static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t *ambient)
@@ -72,6 +84,12 @@ static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t 
 	bool floats = stilb_gpu_plan_extent(plan, depth)->format == STILB_GPU_D32_F;
 	return post_is_by_cpu(post, plan, *ambient) && floats ? post_host_occlusion_add(post, plan, ambient, depth)
 	                                                      : post_occlusion_add(post, plan, ambient, depth);
+}
+
+static stilb_result post_add_picture(void *user, stilb_gpu_plan *plan, uint16_t *picture)
+{
+	stilb_post *post = user;
+	return post->settings.aa == STILB_POST_AA_POST ? post_edges_add(post, plan, picture) : STILB_OK;
 }
 
 stilb_result stilb_post_create(stilb_render *render, stilb_post **post)
@@ -92,6 +110,10 @@ stilb_result stilb_post_create(stilb_render *render, stilb_post **post)
 	if (result == STILB_OK)
 		result = stilb_render_add_feature(
 			render, &(stilb_render_feature){.stage = STILB_RENDER_STAGE_LIGHT, .add = post_add_light, .user = made});
+	if (result == STILB_OK)
+		result = stilb_render_add_feature(
+			render,
+			&(stilb_render_feature){.stage = STILB_RENDER_STAGE_PICTURE, .add = post_add_picture, .user = made});
 	if (result != STILB_OK) {
 		stilb_render_remove_feature(render, made);
 		free(made);
@@ -132,6 +154,12 @@ void stilb_post_set(stilb_post *post, const stilb_post_settings *settings)
 		post_exposure_finish(post);
 }
 
+void stilb_post_hold(stilb_post *post, bool held)
+{
+	STILB_ASSERT(post);
+	post->held = held;
+}
+
 void stilb_post_see(stilb_post *post, const stilb_render_view *view)
 {
 	STILB_ASSERT(post && view && isfinite(view->exposure));
@@ -144,4 +172,11 @@ void stilb_post_see(stilb_post *post, const stilb_render_view *view)
 	post->sees = post->from_clip.m[15] != 0.0f || post->from_clip.m[11] != 0.0f;
 	for (int i = 0; i < 16; i++)
 		post->sees &= isfinite(post->from_clip.m[i]);
+	post->follows = post->sees && view->last && view->show == STILB_RENDER_SHOW_SHADED;
+	if (post->follows) {
+		stilb_mat4 last = stilb_mat4_identity();
+		memcpy(&last.m[12], view->camera_position, sizeof view->camera_position);
+		last = stilb_mat4_multiply(*view->last, last);
+		post->to_last = stilb_mat4_multiply(last, post->from_clip);
+	}
 }

@@ -4,9 +4,12 @@
  *
  * Chain      In this order, whatever was asked for first:
  *              occlusion  stage AMBIENT  ambient light where surfaces are in each other's way
+ *              temporal   stage LIGHT    antialiasing by the mean of frames
+ *              motion     stage LIGHT    what moves while the shutter is open
  *              exposure   stage LIGHT    how bright the light is, before the lens scatters it
  *              bloom      stage LIGHT    light that the lens scatters
  *            The tone map follows, the grade, dither (render.h): one row.
+ *              edges      stage PICTURE  antialiasing of what is shown
  * Occlusion  From the frame's depth, in half the size: how much of the hemisphere over each pixel is open, weighted by
  *            the cosine; what is nearer than the radius hides its directions, less the farther it is. It darkens the
  *            image "ambient" alone (render_images.h), so views need ambient_apart, and pictures one sample a pixel: in
@@ -17,9 +20,26 @@
  *            weights are those of a quadratic B-spline, whose sums are the same wherever a pixel lies, so that what
  *            moves does not flicker. NaN and infinite light stays where it is and scatters nothing.
  *            With FIXED the images between hold T(c) = c / (1 + c's largest channel) in 8 bits, half the bytes.
- * Place      These two are computed by programs of the device, or by the CPU's threads between two submissions: the
- *            same pixels but for rounding, which is between images in half floats there and in floats here;
- *            bloom_format is then of no account.
+ * Temporal   Each frame samples the scene at another place of the pixel (stilb_post_jitter), by which the caller moves
+ *            what the view draws and sees, `last` likewise, and nothing else. A pixel is the mean of what was seen
+ *            there in up to 64 frames, of what moves by parts of a pixel in 9, followed back by velocity. Light is
+ *            weighted by 1 / (1 + its exposed luma), luma r / 4 + g / 2 + b / 4, so that a lamp does not outweigh all
+ *            else of a pixel at its edge. A texel of history counts only if all that it is of is seen around the pixel
+ *            in this frame: no model that is not (by 32 and by 24 classes of ids), nothing nearer or farther by 3 %
+ *            than all that is, no own movement that differs from theirs by half. What counts is kept within the
+ *            colours of the nine pixels. What is no light (NaN, infinite) counts as if it were not there. Views need
+ *            `last` and `surfaces`, show SHADED, and have light in half floats: in other frames there is no such row,
+ *            nor any history in the next one.
+ * Motion     What moves while the shutter is open, around the frame's moment, as velocities say: of camera, models and
+ *            vertices. A pixel gathers along the longest movement of the tiles around it what passes over it in front
+ *            of what it shows, each for its share of the time; then its own surface along its own movement; and what is
+ *            left of the time shows what lies behind, as it is nearest by. Views need `last`, and show SHADED.
+ * Edges      A filter of the picture in display codes, not of radiance. An edge is where luma changes by 0.04 and by a
+ *            tenth; a pixel next to it takes that share of the one across it which a straight line between the edge's
+ *            ends would cover.
+ * Place      Occlusion and bloom are computed by programs of the device, or by the CPU's threads between two
+ *            submissions: the same pixels but for rounding, which is between images in half floats there and in floats
+ *            here; bloom_format is then of no account.
  * Exposure   Each frame the device counts pixels by luminance, 16 classes a stop, from 2^-16 to 2^16 W sr^-1 m^-2;
  *            others, NaN among them, are left out. The mean of log2 of what lies between two percentiles is to be shown
  *            as 0.18 of display white, and the exposure goes there: its distance d from there, in stops, falls by
@@ -33,8 +53,11 @@
  *            table of no area. What is seen is the same mean of what these tables show, as the camera stands.
  * Sources    Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion" (2008), and Jimenez, Wu, Pesce,
  *            Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion" (2016), for occlusion; Karis,
- *            "Tone mapping" (2013), for T; Jimenez, "Next Generation Post Processing in Call of Duty: Advanced
- *            Warfare" (2014), for the chain of halves.
+ *            "High-Quality Temporal Supersampling" (2014), and Yang, Liu, Salvi, "A Survey of Temporal Antialiasing
+ *            Techniques" (2020), for temporal antialiasing; McGuire, Hennessy, Bukowski, Osman, "A Reconstruction
+ *            Filter for Plausible Motion Blur" (2012), for motion; Karis, "Tone mapping" (2013), for T; Jimenez, "Next
+ *            Generation Post Processing in Call of Duty: Advanced Warfare" (2014), for motion and the chain of halves;
+ *            Lottes, "FXAA" (2009), and Reshetov, "Morphological Antialiasing" (2009), for edges.
  * Life       stilb_post_create, stilb_post_set whenever settings change, stilb_post_destroy before the renderer.
  * Threads    [main-thread] of the renderer, all of them.
  */
@@ -92,6 +115,18 @@ typedef enum stilb_post_dither {
 
 /* Likewise; the index is the stilb_post_dither. */
 extern const char *const stilb_post_dither_names[];
+/* How edges are made smooth, besides several samples a pixel. */
+#define STILB_POST_AAS(X)                                                                                              \
+	X(NONE, "none", "as they are sampled")                                                                             \
+	X(POST, "post", "a filter of the shown picture along its edges")                                                   \
+	X(TEMPORAL, "temporal", "the mean of frames that sample pixels at other places")
+
+#define STILB_POST_AA_ENUM(id, ...) STILB_POST_AA_##id,
+typedef enum stilb_post_aa { STILB_POST_AAS(STILB_POST_AA_ENUM) STILB_POST_AA_COUNT } stilb_post_aa;
+#undef STILB_POST_AA_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_post_aa. */
+extern const char *const stilb_post_aa_names[];
 
 /* {0}: no effect. */
 typedef struct stilb_post_settings {
@@ -111,6 +146,9 @@ typedef struct stilb_post_settings {
 	float exposure_speed;                       /* a, 1 / seconds, >= 0 and finite; 0: 2 */
 	float exposure_rate;                        /* r, stops a second, >= 0 and finite; 0: 4 */
 	float exposure_darkest, exposure_brightest; /* what it lies between, stops, -32..32, in order; both 0: -16 and 16 */
+	float motion_blur; /* the share of a frame while the shutter is open, 0..1; 0: there is no such row. Films: .5 */
+	float motion_blur_most; /* of the picture's height, what the longest way is cut to, 0..1; 0: 0.1 */
+	stilb_post_aa aa;       /* besides several samples a pixel, with which each goes */
 } stilb_post_settings;
 
 /* With defaults in place of zeros that stand for them. settings: valid. [any-thread] */
@@ -135,8 +173,17 @@ void stilb_post_set(stilb_post *post, const stilb_post_settings *settings);
  * another one is set, or NULL for none, as before the first call. */
 void stilb_post_set_pool(stilb_post *post, stilb_job_pool *pool);
 
-/* What the next replay's view into the main images sees: read are view_projection, camera_position, exposure. At first
- * a view of zeros, by which nothing is occluded. */
+/* By how much a frame of this number moves the picture, pixels, -0.5..0.5: 64 places that repeat, of which the first 4,
+ * the first 16 and all are spread evenly. Source: Sobol, "On the distribution of points in a cube and the approximate
+ * evaluation of integrals" (1967), dimensions 1 and 2. [any-thread] */
+void stilb_post_jitter(uint64_t frame, float pixels[2]);
+
+/* Whether frames from the next one on show what was paused: as long as they do, motion blur takes the velocities of the
+ * frame before. */
+void stilb_post_hold(stilb_post *post, bool held);
+
+/* What the next replay's view into the main images sees: read are view_projection, last, camera_position, exposure,
+ * show. At first a view of zeros, by which nothing is occluded. */
 void stilb_post_see(stilb_post *post, const stilb_render_view *view);
 
 /* ---- grade ------------------------------------------------------------------------------------------------------- */
@@ -185,7 +232,8 @@ bool stilb_post_is_blind(const stilb_post *post);
  * it is not blind any more. Errors as stilb_post_adapt. */
 stilb_result stilb_post_look(stilb_post *post);
 
-/* Another scene comes: what it counts first is taken at once. */
+/* Another scene comes, or the camera is somewhere else: nothing of the frames before counts for the next one, and what
+ * it counts of light is taken at once. */
 void stilb_post_forget(stilb_post *post);
 
 #pragma GCC visibility pop

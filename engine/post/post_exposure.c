@@ -204,6 +204,7 @@ stilb_result stilb_post_look(stilb_post *post)
 void stilb_post_forget(stilb_post *post)
 {
 	STILB_ASSERT(post);
+	post->forgotten = true;
 	float exposure = post->meter.exposure; /* until the new scene has counts */
 	post_exposure_finish(post);
 	post->meter.exposure = exposure;

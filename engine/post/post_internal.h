@@ -7,6 +7,7 @@
 #include "post/post.h"
 
 #define POST_BLOOM_DEFAULT_WIDTH 0.6f
+#define POST_MOTION_DEFAULT_MOST 0.1f
 #define POST_OCCLUSION_DEFAULT_RADIUS 1.0f /* metres */
 
 typedef enum post_program {
@@ -18,6 +19,13 @@ typedef enum post_program {
 	POST_OCCLUSION_SMOOTH,
 	POST_OCCLUSION_APPLY,
 	POST_EXPOSURE,
+	POST_TEMPORAL,
+	POST_MOTION_KEPT,
+	POST_MOTION_ROWS,
+	POST_MOTION_TILES,
+	POST_MOTION_AROUND,
+	POST_MOTION,
+	POST_EDGES,
 	POST_PROGRAMS
 } post_program;
 
@@ -84,7 +92,11 @@ struct stilb_post {
 	stilb_mat4 from_clip; /* to the world's directions, around the camera */
 	post_meter meter;
 	post_grading grading;
-	bool shows_light; /* the main view's image is light, not counts or a channel of materials */
+	bool shows_light;   /* the main view's image is light, not counts or a channel of materials */
+	bool follows;       /* to_last is there, and what frames show may be followed from frame to frame */
+	stilb_mat4 to_last; /* from clip space to that of the frame before */
+	bool held;          /* motion blur goes on with the velocities of the frame before */
+	bool forgotten;     /* the next frame has no history */
 	stilb_gpu_sampler linear;
 	post_cpu *cpu; /* NULL: nothing was computed by the CPU yet */
 	stilb_job_pool *pool;
@@ -96,9 +108,13 @@ struct stilb_post {
 extern const stilb_gpu_shader post_shader_bloom_halve, post_shader_bloom_double, post_shader_bloom_add;
 extern const stilb_gpu_shader post_shader_exposure;
 extern const stilb_gpu_shader post_shader_occlusion, post_shader_occlusion_smooth, post_shader_occlusion_apply;
+extern const stilb_gpu_shader post_shader_temporal, post_shader_edges;
+extern const stilb_gpu_shader post_shader_motion_kept, post_shader_motion_tile, post_shader_motion_around,
+	post_shader_motion;
 
 /* The program of this number, made when it is first asked for; of bloom in this format. Constant 0 of bloom's shaders
- * is whether it is FIXED, 1 of the one that halves whether it is the first. */
+ * is whether it is FIXED, 1 of the one that halves whether it is the first; 0 of the one of
+ * tiles whether it reads velocities. */
 stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, post_program number,
                               stilb_gpu_program *program);
 
@@ -113,6 +129,15 @@ stilb_result post_host_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uin
 stilb_result post_exposure_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t light);
 /* Gives up copies that are on their way. */
 void post_exposure_finish(stilb_post *post);
+/* Adds the row of temporal antialiasing, and puts the image with it in the place of *light; none in frames that lack an
+ * image for it. */
+stilb_result post_temporal_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light);
+
+/* Adds the rows of motion blur, and puts the image with it in the place of *light; none without velocities. */
+stilb_result post_motion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light);
+
+/* Adds the row of antialiasing by edges, and puts its image in the place of *picture; none if that holds radiance. */
+stilb_result post_edges_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *picture);
 
 /* Adds bloom's rows, and puts the image with it in the place of *light. */
 stilb_result post_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light);

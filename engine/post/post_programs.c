@@ -17,6 +17,13 @@ stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, 
 		[POST_OCCLUSION_SMOOTH] = {"occlusion smoothed", &post_shader_occlusion_smooth, 1},
 		[POST_EXPOSURE] = {"exposure", &post_shader_exposure, 1},
 		[POST_OCCLUSION_APPLY] = {"ambient occluded", &post_shader_occlusion_apply, 3},
+		[POST_EDGES] = {"antialiasing", &post_shader_edges, 1},
+		[POST_MOTION_KEPT] = {"velocity kept", &post_shader_motion_kept, 1},
+		[POST_MOTION_ROWS] = {"blur rows", &post_shader_motion_tile, 1},
+		[POST_MOTION_TILES] = {"blur tiles", &post_shader_motion_tile, 1},
+		[POST_MOTION_AROUND] = {"blur tiles around", &post_shader_motion_around, 1},
+		[POST_MOTION] = {"motion blur", &post_shader_motion, 4},
+		[POST_TEMPORAL] = {"temporal antialiasing", &post_shader_temporal, 7},
 	};
 	stilb_gpu_program *made = &post->programs[format][number];
 	stilb_result result = STILB_OK;
@@ -30,6 +37,10 @@ stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, 
 			.constants = {{0, format == STILB_POST_BLOOM_FIXED}, {1, number == POST_BLOOM_HALVE_FIRST}},
 		};
 		*(number == POST_EXPOSURE ? &desc.compute : &desc.fragment) = *programs[number].shader;
+		if (number == POST_MOTION_TILES) {
+			desc.constant_count = 1; /* it reads movements */
+			desc.constants[0].id = desc.constants[0].value = 0;
+		}
 		result = stilb_gpu_program_create(stilb_render_gpu(post->render), &desc, made);
 	}
 	*program = *made;

@@ -50,6 +50,8 @@ typedef struct effects_row {
 static const effects_row effects_rows[] = {
 	EFFECT("Occlusion", occlusion, 1.0f),
 	NUMBER("Radius", occlusion_radius, 0.05f, 20.0f, 0.05f, "%.2f m"),
+	EFFECT("Motion blur", motion_blur, 0.5f),
+	NUMBER("Longest", motion_blur_most, 0.01f, 0.5f, 0.01f, "%.2f"),
 	EFFECT("Bloom", bloom, 0.05f),
 	NUMBER("Width", bloom_width, 0.01f, 1.0f, 0.01f, "%.2f"),
 	WORD("Images", bloom_format, stilb_post_bloom_format_names),
@@ -57,6 +59,7 @@ static const effects_row effects_rows[] = {
 	SWITCH("Exposure that adapts", exposure_adapts),
 	NUMBER("Speed", exposure_speed, 0.1f, 10.0f, 0.1f, "%.1f / s"),
 	WORD("Dither", dither, stilb_post_dither_names),
+	WORD("Antialiasing", aa, stilb_post_aa_names),
 };
 #define EFFECTS_ROWS ((uint32_t)(sizeof effects_rows / sizeof *effects_rows))
 

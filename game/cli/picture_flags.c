@@ -221,9 +221,15 @@ static void picture_add_tone(picture_flags *p, flag_rows *table)
 static void picture_add_post(picture_flags *p, flag_rows *table)
 {
 	const flag post[] = {
+		{"--aa", FLAG_CHOICE, &p->aa, "KIND", "antialiasing beside --msaa: none, post or temporal (none)", 0, 0,
+	     stilb_post_aa_names},
 		{"--ao", FLAG_AMOUNT, &p->occlusion, "S",
 	     "ambient occlusion: ambient light is darker by it where it is hidden, 0..1 (0)", 0, 1, NULL},
 		{"--ao-radius", FLAG_AMOUNT, &p->occlusion_radius, "METRES", "what is nearer hides it (1)", 0, 1000000, NULL},
+		{"--motion-blur", FLAG_AMOUNT, &p->motion_blur, "SHUTTER",
+	     "motion blur: for which share of a frame the shutter is open, 0..1 (0)", 0, 1, NULL},
+		{"--motion-blur-most", FLAG_AMOUNT, &p->motion_blur_most, "S",
+	     "its longest way, a share of the picture's height, 0..1 (0.1)", 0, 1, NULL},
 		{"--bloom", FLAG_AMOUNT, &p->bloom, "S", "share of each pixel's light that the lens scatters, 0..1 (0)", 0, 1,
 	     NULL},
 		{"--bloom-width", FLAG_AMOUNT, &p->bloom_width, "S",
@@ -282,6 +288,9 @@ stilb_post_settings picture_flags_post(const picture_flags *p)
 	settings.place = (stilb_post_place)p->post_place;
 	settings.dither = (stilb_post_dither)p->dither;
 	settings.exposure_adapts = picture_flags_adapt(p);
+	settings.aa = (stilb_post_aa)p->aa;
+	settings.motion_blur = p->motion_blur;
+	settings.motion_blur_most = p->motion_blur_most;
 	return settings;
 }
 
@@ -498,6 +507,14 @@ static bool picture_check_post(const picture_flags *p)
 {
 	if (p->occlusion > 0.0f && p->samples > 1) {
 		stilb_log("--ao has one sample a pixel; leave out --msaa");
+		return false;
+	}
+	stilb_render_show show;
+	picture_shown image;
+	picture_flags_show(p, &show, &image);
+	if (p->aa != STILB_POST_AA_NONE && show != STILB_RENDER_SHOW_SHADED) {
+		stilb_log("--aa %s is of light, and --show %s shows numbers; leave out one of them", stilb_post_aa_names[p->aa],
+		          p->show);
 		return false;
 	}
 	return true;

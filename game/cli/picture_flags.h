@@ -45,7 +45,9 @@ typedef struct picture_flags {
 	int dither;                                  /* a stilb_post_dither */
 	const char *grade, *preset;                  /* NULL if not given */
 	stilb_post_settings post;                    /* those of the preset, for what has no flag */
+	int aa;                                      /* a stilb_post_aa */
 	float bloom, bloom_width;                    /* likewise */
+	float motion_blur, motion_blur_most;         /* likewise */
 	int bloom_format, post_place;                /* a stilb_post_bloom_format, a stilb_post_place */
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
 	float roughness, anisotropy, wrap, specular; /* added to each material's value; NaN: the chosen BRDF's default */

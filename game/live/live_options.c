@@ -417,6 +417,11 @@ bool live_options_check(const live_options *o)
 		stilb_log("--render-scale: %g is too small; give 0.1..4", (double)o->scale);
 		return false;
 	}
+	if (o->screenshot && picture->aa != STILB_POST_AA_NONE && stilb_image_path_is_light(o->screenshot)) {
+		stilb_log("--aa %s: '%s' keeps radiance, which is without effects; leave it out, or give a .png",
+		          stilb_post_aa_names[picture->aa], o->screenshot);
+		return false;
+	}
 	if (o->screenshot && picture->device == STILB_RENDER_DEVICE_NULL) {
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
 		return false;

@@ -16,25 +16,17 @@ typedef struct post_stage {
 	stilb_gpu_image source;
 	uint32_t width, height;
 	float alpha; /* of the light's pixels */
+	/* Frames have these, all zeros: nothing moves, and everything is far away. id 0: they have not. */
+	stilb_gpu_image velocity, depth, models;
 } post_stage;
 
-/* Puts the test's image in the place of the light. */
-static inline stilb_result stage_source(void *user, stilb_gpu_plan *plan, uint16_t *image)
+/* An image of the stage's size. */
+static inline stilb_gpu_image stage_image(post_stage *s, const char *name, stilb_gpu_format format)
 {
-	post_stage *s = user;
-	*image = stilb_gpu_plan_image(plan, &(stilb_gpu_plan_image_row){.name = "source",
-	                                                                .format = STILB_GPU_RGBA16_F,
-	                                                                .width = s->width,
-	                                                                .height = s->height,
-	                                                                .owned = s->source.id});
-	return STILB_OK;
-}
-
-static inline void stage_source_make(post_stage *s)
-{
-	stilb_gpu_image_desc source = {
-		.name = "source",
-		.extent = {.format = STILB_GPU_RGBA16_F,
+	stilb_gpu_image image;
+	stilb_gpu_image_desc desc = {
+		.name = name,
+		.extent = {.format = format,
 	               .width = s->width,
 	               .height = s->height,
 	               .depth = 1,
@@ -42,7 +34,34 @@ static inline void stage_source_make(post_stage *s)
 	               .mips = 1,
 	               .samples = 1,
 	               .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_FROM | 1u << STILB_GPU_USE_COPY_TO}};
-	assert_int_equal(stilb_gpu_image_create(stilb_render_gpu(s->render), &source, &s->source), STILB_OK);
+	assert_int_equal(stilb_gpu_image_create(stilb_render_gpu(s->render), &desc, &image), STILB_OK);
+	return image;
+}
+
+static inline uint16_t stage_row(const post_stage *s, stilb_gpu_plan *plan, const char *name, stilb_gpu_format format,
+                                 stilb_gpu_image image)
+{
+	stilb_gpu_plan_image_row row = {
+		.name = name, .format = format, .width = s->width, .height = s->height, .owned = image.id};
+	return stilb_gpu_plan_image(plan, &row);
+}
+
+/* Puts the test's image in the place of the light. */
+static inline stilb_result stage_source(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	post_stage *s = user;
+	*image = stage_row(s, plan, "source", STILB_GPU_RGBA16_F, s->source);
+	if (s->velocity.id == 0)
+		return STILB_OK;
+	stage_row(s, plan, "velocity", STILB_GPU_RG16_F, s->velocity);
+	stage_row(s, plan, "velocity depth", STILB_GPU_R32_F, s->depth);
+	stage_row(s, plan, "id", STILB_GPU_R32_UI, s->models);
+	return STILB_OK;
+}
+
+static inline void stage_source_make(post_stage *s)
+{
+	s->source = stage_image(s, "source", STILB_GPU_RGBA16_F);
 }
 
 static inline void stage_open_for(post_stage *s, stilb_render_device_kind device, stilb_render_output output,
@@ -73,7 +92,9 @@ static inline void stage_close(post_stage *s)
 {
 	assert_int_equal(stilb_render_validation_messages(s->render), 0);
 	stilb_post_destroy(s->post);
-	stilb_gpu_image_destroy(stilb_render_gpu(s->render), s->source);
+	stilb_gpu_image images[] = {s->source, s->velocity, s->depth, s->models};
+	for (uint32_t i = 0; i < (s->velocity.id == 0 ? 1 : 4); i++)
+		stilb_gpu_image_destroy(stilb_render_gpu(s->render), images[i]);
 	stilb_render_destroy(s->render);
 }
 
@@ -85,6 +106,27 @@ static inline void stage_resize(post_stage *s, uint32_t width, uint32_t height)
 	s->width = width;
 	s->height = height;
 	stage_source_make(s);
+}
+
+/* Gives frames images of what does not move. */
+static inline void stage_still(post_stage *s)
+{
+	stilb_gpu *gpu = stilb_render_gpu(s->render);
+	s->velocity = stage_image(s, "velocity", STILB_GPU_RG16_F);
+	s->depth = stage_image(s, "velocity depth", STILB_GPU_R32_F);
+	s->models = stage_image(s, "id", STILB_GPU_R32_UI);
+	stilb_gpu_image images[] = {s->velocity, s->depth, s->models};
+	for (uint32_t i = 0; i < 3; i++) {
+		stilb_gpu_upload upload = {.image = images[i],
+		                           .width = s->width,
+		                           .height = s->height,
+		                           .depth = 1,
+		                           .bytes = (uint64_t)s->width * s->height * 4};
+		void *bytes;
+		assert_int_equal(stilb_gpu_upload_begin(gpu, &upload, &bytes), STILB_OK);
+		memset(bytes, 0, upload.bytes);
+		stilb_gpu_upload_end(gpu, bytes);
+	}
 }
 
 /* The light that the next frames have: RGB, rows from the top. */

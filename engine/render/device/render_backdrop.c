@@ -31,9 +31,18 @@ static void backdrop_axis(const float matrix[16], size_t row, float out[4])
 
 void render_backdrop_axes(const stilb_render_view *view, float ahead[4], float across[4], float down[4])
 {
-	backdrop_axis(view->view_projection.m, 3, ahead); /* a unit row: where the camera looks */
-	backdrop_axis(view->view_projection.m, 0, across);
-	backdrop_axis(view->view_projection.m, 1, down);
+	stilb_mat4 straight = view->view_projection;
+	float *m = straight.m, shift[2];
+	backdrop_axis(m, 3, ahead);   /* a unit row: where the camera looks */
+	for (int r = 0; r < 2; r++) { /* by how much the middle of the picture lies beside it */
+		shift[r] = m[r] * ahead[0] + m[4 + r] * ahead[1] + m[8 + r] * ahead[2];
+		for (int c = 0; c < 3; c++)
+			m[4 * c + r] -= shift[r] * m[4 * c + 3];
+	}
+	backdrop_axis(m, 0, across);
+	backdrop_axis(m, 1, down);
+	for (int c = 0; c < 3; c++)
+		ahead[c] -= shift[0] * across[c] + shift[1] * down[c];
 }
 
 /* Which of the two colours a view shows at the corners of its picture. */

@@ -1,0 +1,94 @@
+/* Motion blur: the longest movement of tiles and of those around them, and the row that gathers along it. */
+#include "post/post_internal.h"
+
+#include "render/device/render_images.h"
+
+#include <math.h>
+#include <string.h>
+
+/* As the shaders have it. */
+typedef struct motion_push {
+	float ahead_row[4];
+	int32_t tile[2];
+	float half_way, longest;
+} motion_push;
+
+typedef struct motion_chain {
+	stilb_post *post;
+	stilb_gpu_plan *plan;
+	motion_push push;
+} motion_chain;
+
+static uint16_t motion_image(const motion_chain *chain, const char *name, uint32_t width, uint32_t height, bool keep)
+{
+	stilb_gpu_plan_image_row row = {
+		.name = name, .format = STILB_GPU_RG16_F, .width = width, .height = height, .keep = keep};
+	return stilb_gpu_plan_image(chain->plan, &row);
+}
+
+/* Adds a pass into an image that reads so many others, the last of them as it was in the frame before, or not. tile_*:
+ * what is one texel of its image, of the first that it reads. */
+static stilb_result motion_pass(motion_chain *chain, const char *name, post_program number, uint16_t out,
+                                const uint16_t *reads, uint32_t count, bool previous, uint32_t tile_x, uint32_t tile_y)
+{
+	stilb_gpu_program program;
+	stilb_result result = post_program_get(chain->post, STILB_POST_BLOOM_HALF, number, &program);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass pass = {.name = name,
+	                       .kind = STILB_GPU_PASS_FULLSCREEN,
+	                       .program = program.id,
+	                       .color = {{.image = out, .load = STILB_GPU_LOAD_DISCARD}},
+	                       .color_count = 1,
+	                       .use_count = (uint8_t)count};
+	for (uint32_t u = 0; u < count; u++)
+		pass.uses[u] = (stilb_gpu_use){.resource = reads[u],
+		                               .how = STILB_GPU_USE_SAMPLED,
+		                               .slot = (uint16_t)u,
+		                               .previous = previous && u + 1 == count};
+	if (tile_x > 0) {
+		chain->push.tile[0] = (int32_t)tile_x;
+		chain->push.tile[1] = (int32_t)tile_y;
+		memcpy(pass.constants, &chain->push, sizeof chain->push);
+		pass.constant_bytes = sizeof chain->push;
+	}
+	stilb_gpu_plan_pass(chain->plan, &pass);
+	return STILB_OK;
+}
+
+stilb_result post_motion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light)
+{
+	stilb_gpu_extent extent = *stilb_gpu_plan_extent(plan, *light);
+	uint32_t width = extent.width, height = extent.height;
+	uint16_t velocity = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_VELOCITY);
+	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_VELOCITY_DEPTH);
+	if (velocity == 0 || depth == 0 || extent.format != STILB_GPU_RGBA16_F)
+		return STILB_OK;
+	float longest = fmaxf(0.5f * post->settings.motion_blur_most * (float)height, 1.0f);
+	motion_chain chain = {post, plan, {.half_way = 0.5f * post->settings.motion_blur, .longest = longest}};
+	for (int c = 0; c < 4; c++)
+		chain.push.ahead_row[c] = post->from_clip.m[4 * c + 3];
+	uint32_t tile = (uint32_t)ceilf(longest), columns = (width + tile - 1) / tile, rows = (height + tile - 1) / tile;
+	uint16_t kept = motion_image(&chain, "blur velocity", width, height, true);
+	uint16_t lines = motion_image(&chain, "blur rows", columns, height, false);
+	uint16_t tiles = motion_image(&chain, "blur tiles", columns, rows, false);
+	uint16_t around = motion_image(&chain, "blur tiles around", columns, rows, false);
+	uint16_t blurred = stilb_gpu_plan_image(
+		plan,
+		&(stilb_gpu_plan_image_row){.name = "blurred", .format = extent.format, .width = width, .height = height});
+	bool held = post->held && stilb_gpu_plan_kept(plan, kept);
+	stilb_result result = held
+	                          ? motion_pass(&chain, "velocity held", POST_MOTION_KEPT, kept, &kept, 1, true, 0, 0)
+	                          : motion_pass(&chain, "velocity kept", POST_MOTION_KEPT, kept, &velocity, 1, false, 0, 0);
+	if (result == STILB_OK)
+		result = motion_pass(&chain, "blur rows", POST_MOTION_ROWS, lines, &kept, 1, false, tile, 1);
+	if (result == STILB_OK)
+		result = motion_pass(&chain, "blur tiles", POST_MOTION_TILES, tiles, &lines, 1, false, 1, tile);
+	if (result == STILB_OK)
+		result = motion_pass(&chain, "blur tiles around", POST_MOTION_AROUND, around, &tiles, 1, false, 0, 0);
+	if (result == STILB_OK)
+		result = motion_pass(&chain, "motion blur", POST_MOTION, blurred, (uint16_t[]){*light, kept, depth, around}, 4,
+		                     false, tile, tile);
+	*light = blurred;
+	return result;
+}
