@@ -1,5 +1,7 @@
 /* The chain: what there is of it. */
 #include "post/post_internal.h"
+#include "post/post_lens.h"
+#include "post/post_reflections.h"
 
 #include "render/device/render_images.h"
 
@@ -11,6 +13,8 @@
 const char *const stilb_post_bloom_format_names[] = {STILB_POST_BLOOM_FORMATS(POST_NAME) NULL};
 const char *const stilb_post_place_names[] = {STILB_POST_PLACES(POST_NAME) NULL};
 const char *const stilb_post_dither_names[] = {STILB_POST_DITHERS(POST_NAME) NULL};
+const char *const stilb_post_reflections_names[] = {STILB_POST_REFLECTIONS_WAYS(POST_NAME) NULL};
+const char *const stilb_post_dof_names[] = {STILB_POST_DOFS(POST_NAME) NULL};
 
 static bool post_is_share(float value)
 {
@@ -24,7 +28,8 @@ bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
 	       isfinite(settings->occlusion_radius) && post_is_share(settings->bloom) &&
 	       post_is_share(settings->bloom_width) && (unsigned)settings->bloom_format < STILB_POST_BLOOM_FORMATS_COUNT &&
 	       (unsigned)settings->place < STILB_POST_PLACES_COUNT &&
-	       (unsigned)settings->dither < STILB_POST_DITHERS_COUNT && post_exposure_is_valid(settings);
+	       (unsigned)settings->dither < STILB_POST_DITHERS_COUNT && post_exposure_is_valid(settings) &&
+	       (unsigned)settings->reflections < STILB_POST_REFLECTIONS_COUNT && post_lens_is_valid(settings);
 }
 
 stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settings)
@@ -52,12 +57,15 @@ static bool post_is_by_cpu(const stilb_post *post, const stilb_gpu_plan *plan, u
 static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *light)
 {
 	stilb_post *post = user;
+	const stilb_post_settings *settings = &post->settings;
 	stilb_result result = STILB_OK;
-	if (post->settings.exposure_adapts && post->shows_light)
+	if (settings->dof != STILB_POST_DOF_OFF && settings->aperture > 0.0f && post->sees)
+		result = post_lens_add(post, plan, light);
+	if (result == STILB_OK && settings->exposure_adapts && post->shows_light)
 		result = post_exposure_add(post, plan, *light);
-	if (result != STILB_OK || post->settings.bloom == 0.0f)
+	if (result != STILB_OK || settings->bloom == 0.0f)
 		return result;
-	bool fixed = post->settings.place == STILB_POST_PLACE_AUTO && post->settings.bloom_format == STILB_POST_BLOOM_FIXED;
+	bool fixed = settings->place == STILB_POST_PLACE_AUTO && settings->bloom_format == STILB_POST_BLOOM_FIXED;
 	return post_is_by_cpu(post, plan, *light) && !fixed ? post_host_bloom_add(post, plan, light)
 	                                                    : post_bloom_add(post, plan, light);
 }
@@ -66,12 +74,23 @@ static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t 
 {
 	stilb_post *post = user;
 	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH);
+	post->ambient = *ambient;
 	if (post->settings.occlusion == 0.0f || !post->sees)
 		return STILB_OK;
 	STILB_ASSERT(depth != 0);
 	bool floats = stilb_gpu_plan_extent(plan, depth)->format == STILB_GPU_D32_F;
-	return post_is_by_cpu(post, plan, *ambient) && floats ? post_host_occlusion_add(post, plan, ambient, depth)
-	                                                      : post_occlusion_add(post, plan, ambient, depth);
+	stilb_result result = post_is_by_cpu(post, plan, *ambient) && floats
+	                          ? post_host_occlusion_add(post, plan, ambient, depth)
+	                          : post_occlusion_add(post, plan, ambient, depth);
+	post->ambient = *ambient;
+	return result;
+}
+
+static stilb_result post_add_reflection(void *user, stilb_gpu_plan *plan, uint16_t *reflection)
+{
+	stilb_post *post = user;
+	bool is_there = post->settings.reflections != STILB_POST_REFLECTIONS_OFF && post->sees;
+	return is_there ? post_reflections_add(post, plan, reflection) : STILB_OK;
 }
 
 stilb_result stilb_post_create(stilb_render *render, stilb_post **post)
@@ -91,6 +110,10 @@ stilb_result stilb_post_create(stilb_render *render, stilb_post **post)
 			&(stilb_render_feature){.stage = STILB_RENDER_STAGE_AMBIENT, .add = post_add_ambient, .user = made});
 	if (result == STILB_OK)
 		result = stilb_render_add_feature(
+			render,
+			&(stilb_render_feature){.stage = STILB_RENDER_STAGE_REFLECTION, .add = post_add_reflection, .user = made});
+	if (result == STILB_OK)
+		result = stilb_render_add_feature(
 			render, &(stilb_render_feature){.stage = STILB_RENDER_STAGE_LIGHT, .add = post_add_light, .user = made});
 	if (result != STILB_OK) {
 		stilb_render_remove_feature(render, made);
@@ -108,6 +131,8 @@ void stilb_post_destroy(stilb_post *post)
 	stilb_render_remove_feature(post->render, post);
 	post_exposure_finish(post);
 	post_grade_finish(post);
+	post_lens_finish(post);
+	post_reflections_finish(post);
 	for (uint32_t f = 0; f < STILB_POST_BLOOM_FORMATS_COUNT; f++)
 		for (uint32_t p = 0; p < POST_PROGRAMS; p++)
 			if (post->programs[f][p].id)
@@ -140,6 +165,7 @@ void stilb_post_see(stilb_post *post, const stilb_render_view *view)
 	around = stilb_mat4_multiply(view->view_projection, around);
 	post->exposure = view->exposure;
 	post->shows_light = view->show == STILB_RENDER_SHOW_SHADED || view->show == STILB_RENDER_SHOW_ERROR;
+	post->to_clip = around;
 	post->from_clip = stilb_mat4_inverse(&around);
 	post->sees = post->from_clip.m[15] != 0.0f || post->from_clip.m[11] != 0.0f;
 	for (int i = 0; i < 16; i++)

@@ -238,6 +238,15 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 	     stilb_post_dither_names},
 		{"--grade", FLAG_TEXT, &p->grade, "FILE.cube", "a table of colours that the picture is shown through (none)", 0,
 	     0, NULL},
+		{"--reflections", FLAG_CHOICE, &p->reflections, "KIND",
+	     "surfaces mirror what the picture shows: off, cones, crude or linear (off)", 0, 0,
+	     stilb_post_reflections_names},
+		{"--dof", FLAG_CHOICE, &p->dof, "KIND", "depth of field: off, bokeh, or lerp, between two blurs (off)", 0, 0,
+	     stilb_post_dof_names},
+		{"--aperture", FLAG_AMOUNT, &p->aperture, "R", "radius of the lens, metres, with --dof", 0, 1000000, NULL},
+		{"--focus", FLAG_AMOUNT, &p->focus, "D", "distance of the plane in focus, metres, with --dof", 0, 1000000,
+	     NULL},
+		{"--blades", FLAG_NUMBER, &p->blades, "N", "corners of the aperture, 3..16; 0: a circle (0)", 0, 16, NULL},
 	};
 	flag_rows_add(table, post, sizeof post / sizeof *post);
 }
@@ -278,7 +287,12 @@ stilb_post_settings picture_flags_post(const picture_flags *p)
 	                             .bloom_format = (stilb_post_bloom_format)p->bloom_format,
 	                             .place = (stilb_post_place)p->post_place,
 	                             .dither = (stilb_post_dither)p->dither,
-	                             .exposure_adapts = picture_flags_adapt(p)};
+	                             .exposure_adapts = picture_flags_adapt(p),
+	                             .reflections = (stilb_post_reflections)p->reflections,
+	                             .dof = (stilb_post_dof)p->dof,
+	                             .aperture = p->aperture,
+	                             .focus = p->focus,
+	                             .blades = (uint32_t)p->blades};
 }
 
 bool picture_flags_parts(const picture_flags *p)
@@ -490,13 +504,37 @@ static bool picture_check_lighting(const picture_flags *p)
 	return true;
 }
 
+static bool picture_check_dof(const picture_flags *p)
+{
+	bool dof = p->dof != STILB_POST_DOF_OFF;
+	if (dof && p->samples > 1)
+		stilb_log("--dof has one sample a pixel; leave out --msaa");
+	else if (dof && p->aperture <= 0.0f)
+		stilb_log("--dof needs --aperture R, the radius of the lens in metres");
+	else if (dof && p->focus <= 0.0f)
+		stilb_log("--dof needs --focus D, the distance of the plane in focus in metres");
+	else if (!dof && (p->aperture > 0.0f || p->focus > 0.0f || p->blades > 0))
+		stilb_log("%s needs --dof bokeh: without it everything is in focus", p->aperture > 0.0f ? "--aperture"
+		                                                                     : p->focus > 0.0f  ? "--focus"
+		                                                                                        : "--blades");
+	else if (p->blades == 1 || p->blades == 2)
+		stilb_log("--blades: '%u' corners are too few; give 3..16, or 0 for a circle", (unsigned)p->blades);
+	else
+		return true;
+	return false;
+}
+
 static bool picture_check_post(const picture_flags *p)
 {
 	if (p->occlusion > 0.0f && p->samples > 1) {
 		stilb_log("--ao has one sample a pixel; leave out --msaa");
 		return false;
 	}
-	return true;
+	if (p->reflections != STILB_POST_REFLECTIONS_OFF && p->samples > 1) {
+		stilb_log("--reflections has one sample a pixel; leave out --msaa");
+		return false;
+	}
+	return picture_check_dof(p);
 }
 
 bool picture_flags_check(const picture_flags *p)
