@@ -92,11 +92,20 @@ void stilb_engine_set_faults(const stilb_render_faults *faults)
 	engine_faults = faults ? *faults : (stilb_render_faults){0};
 }
 
+/* The effect of these settings that has one sample a pixel; NULL: there is none. */
+static const char *engine_effect_of_one_sample(const stilb_post_settings *post)
+{
+	return post->occlusion > 0.0f                            ? "ambient occlusion (post.occlusion)"
+	       : post->reflections != STILB_POST_REFLECTIONS_OFF ? "what surfaces mirror (post.reflections)"
+	       : post->dof != STILB_POST_DOF_OFF                 ? "depth of field (post.dof)"
+	                                                         : NULL;
+}
+
 /* True if frames with several samples a pixel would lack something that is asked for. */
 static bool engine_is_of_one_sample(const stilb_engine_desc *desc)
 {
 	return stilb_render_lighting_is_of_one_sample(desc->lighting) || desc->ambient_apart ||
-	       desc->post.occlusion > 0.0f || desc->post.aa == STILB_POST_AA_TEMPORAL ||
+	       engine_effect_of_one_sample(&desc->post) || desc->post.aa == STILB_POST_AA_TEMPORAL ||
 	       desc->shadows.kind == STILB_ENGINE_SHADOWS_BUFFER;
 }
 
@@ -196,10 +205,10 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	STILB_ASSERT((unsigned)desc->presentation <= STILB_GPU_PRESENT_IMMEDIATE);
 	STILB_ASSERT((unsigned)desc->watch_shaders <= STILB_ENGINE_WATCH_AUTO);
 	*out = NULL;
-	if ((desc->ambient_apart || desc->post.occlusion > 0.0f) && desc->samples > 1)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "%s has one sample a pixel, and %u are asked for",
-		                  desc->ambient_apart ? "light of the surroundings apart (ambient_apart)"
-		                                      : "ambient occlusion (post.occlusion)",
+	const char *single = desc->ambient_apart ? "light of the surroundings apart (ambient_apart)"
+	                                         : engine_effect_of_one_sample(&desc->post);
+	if (single && desc->samples > 1)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "%s has one sample a pixel, and %u are asked for", single,
 		                  desc->samples);
 	if (desc->shadows.kind == STILB_ENGINE_SHADOWS_BUFFER && desc->samples > 1)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "a buffer of shadows has one sample a pixel, and %u are asked for",
@@ -574,8 +583,9 @@ stilb_post_settings stilb_engine_post(const stilb_engine *engine)
 void stilb_engine_set_post(stilb_engine *engine, const stilb_post_settings *settings)
 {
 	STILB_ASSERT_OWNER(engine->owner);
-	if (settings->occlusion > 0.0f && engine->desc.post.occlusion == 0.0f && stilb_render_samples(engine->render) > 1)
-		stilb_log("ambient occlusion has one sample a pixel, and frames have %u: they are without it",
+	const char *single = engine_effect_of_one_sample(settings);
+	if (single && single != engine_effect_of_one_sample(&engine->desc.post) && stilb_render_samples(engine->render) > 1)
+		stilb_log("%s has one sample a pixel, and frames have %u: they are without it", single,
 		          stilb_render_samples(engine->render));
 	stilb_post_set(engine->post, settings);
 	engine->desc.post = *settings;

@@ -530,7 +530,7 @@ stilb_result stilb_engine_save_plan(stilb_engine *engine, const char *path);
  * says, but with STILB_ENGINE_MAX_FEATURES as the limit: the engine's own effects take the rest. The device for
  * programs, buffers and images of its own, which are destroyed before the engine; and the plan of the last frame, for
  * stilb_gpu_read_begin. */
-#define STILB_ENGINE_MAX_FEATURES (STILB_RENDER_MAX_FEATURES - 3u)
+#define STILB_ENGINE_MAX_FEATURES (STILB_RENDER_MAX_FEATURES - 4u)
 stilb_result stilb_engine_add_feature(stilb_engine *engine, const stilb_render_feature *feature);
 void stilb_engine_remove_feature(stilb_engine *engine, const void *user);
 stilb_gpu *stilb_engine_gpu(stilb_engine *engine);

@@ -159,7 +159,9 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.light_fade = engine->desc.light_fade,
 		.ambient = engine->desc.ambient,
 		.shadow_reading = engine_shadows_reading(engine),
-		.ambient_apart = engine->desc.ambient_apart || engine->shows_ambient || engine->desc.post.occlusion > 0.0f,
+		.ambient_apart = engine->desc.ambient_apart || engine->shows_ambient || engine->desc.post.occlusion > 0.0f ||
+	                     engine->desc.post.reflections != STILB_POST_REFLECTIONS_OFF,
+		.mirrors = engine->desc.post.reflections != STILB_POST_REFLECTIONS_OFF,
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
 		.impostors = scene->impostor_count > 0,
@@ -191,7 +193,7 @@ void engine_reference_view(stilb_render_view *view)
 	view->lighting = few ? STILB_RENDER_LIGHTING_FORWARD : STILB_RENDER_LIGHTING_CLUSTERED;
 	view->light_lists = STILB_RENDER_LIGHT_LISTS_JOBS;
 	view->light_tolerance = 0.0f;
-	view->ambient_apart = view->surfaces = view->shadow_reading.buffer = false;
+	view->ambient_apart = view->mirrors = view->surfaces = view->shadow_reading.buffer = false;
 	view->last = NULL;
 	view->show = STILB_RENDER_SHOW_SHADED;
 }

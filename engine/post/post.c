@@ -1,5 +1,7 @@
 /* The chain: what there is of it. */
 #include "post/post_internal.h"
+#include "post/post_lens.h"
+#include "post/post_reflections.h"
 
 #include "render/device/render_images.h"
 
@@ -12,6 +14,8 @@ const char *const stilb_post_bloom_format_names[] = {STILB_POST_BLOOM_FORMATS(PO
 const char *const stilb_post_place_names[] = {STILB_POST_PLACES(POST_NAME) NULL};
 const char *const stilb_post_dither_names[] = {STILB_POST_DITHERS(POST_NAME) NULL};
 const char *const stilb_post_aa_names[] = {STILB_POST_AAS(POST_NAME) NULL};
+const char *const stilb_post_reflections_names[] = {STILB_POST_REFLECTIONS_WAYS(POST_NAME) NULL};
+const char *const stilb_post_dof_names[] = {STILB_POST_DOFS(POST_NAME) NULL};
 
 static bool post_is_share(float value)
 {
@@ -27,7 +31,8 @@ bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
 	       (unsigned)settings->place < STILB_POST_PLACES_COUNT &&
 	       (unsigned)settings->dither < STILB_POST_DITHERS_COUNT && post_exposure_is_valid(settings) &&
 	       (unsigned)settings->aa < STILB_POST_AA_COUNT && post_is_share(settings->motion_blur) &&
-	       post_is_share(settings->motion_blur_most);
+	       post_is_share(settings->motion_blur_most) &&
+	       (unsigned)settings->reflections < STILB_POST_REFLECTIONS_COUNT && post_lens_is_valid(settings);
 }
 
 stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settings)
@@ -64,26 +69,40 @@ static stilb_result post_bloom_choose(stilb_post *post, stilb_gpu_plan *plan, ui
 static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *light)
 {
 	stilb_post *post = user;
+	const stilb_post_settings *settings = &post->settings;
 	stilb_result result = STILB_OK;
-	if (post->settings.aa == STILB_POST_AA_TEMPORAL && post->follows)
+	if (settings->aa == STILB_POST_AA_TEMPORAL && post->follows)
 		result = post_temporal_add(post, plan, light);
-	if (result == STILB_OK && post->settings.motion_blur > 0.0f && post->follows)
+	if (result == STILB_OK && settings->dof != STILB_POST_DOF_OFF && settings->aperture > 0.0f && post->sees)
+		result = post_lens_add(post, plan, light);
+	if (result == STILB_OK && settings->motion_blur > 0.0f && post->follows)
 		result = post_motion_add(post, plan, light);
-	if (result == STILB_OK && post->settings.exposure_adapts && post->shows_light)
+	if (result == STILB_OK && settings->exposure_adapts && post->shows_light)
 		result = post_exposure_add(post, plan, *light);
-	return result == STILB_OK && post->settings.bloom > 0.0f ? post_bloom_choose(post, plan, light) : result;
+	return result == STILB_OK && settings->bloom > 0.0f ? post_bloom_choose(post, plan, light) : result;
 }
 
 static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t *ambient)
 {
 	stilb_post *post = user;
 	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH);
+	post->ambient = *ambient;
 	if (post->settings.occlusion == 0.0f || !post->sees)
 		return STILB_OK;
 	STILB_ASSERT(depth != 0);
 	bool floats = stilb_gpu_plan_extent(plan, depth)->format == STILB_GPU_D32_F;
-	return post_is_by_cpu(post, plan, *ambient) && floats ? post_host_occlusion_add(post, plan, ambient, depth)
-	                                                      : post_occlusion_add(post, plan, ambient, depth);
+	stilb_result result = post_is_by_cpu(post, plan, *ambient) && floats
+	                          ? post_host_occlusion_add(post, plan, ambient, depth)
+	                          : post_occlusion_add(post, plan, ambient, depth);
+	post->ambient = *ambient;
+	return result;
+}
+
+static stilb_result post_add_reflection(void *user, stilb_gpu_plan *plan, uint16_t *reflection)
+{
+	stilb_post *post = user;
+	bool is_there = post->settings.reflections != STILB_POST_REFLECTIONS_OFF && post->sees;
+	return is_there ? post_reflections_add(post, plan, reflection) : STILB_OK;
 }
 
 static stilb_result post_add_picture(void *user, stilb_gpu_plan *plan, uint16_t *picture)
@@ -109,6 +128,10 @@ stilb_result stilb_post_create(stilb_render *render, stilb_post **post)
 			&(stilb_render_feature){.stage = STILB_RENDER_STAGE_AMBIENT, .add = post_add_ambient, .user = made});
 	if (result == STILB_OK)
 		result = stilb_render_add_feature(
+			render,
+			&(stilb_render_feature){.stage = STILB_RENDER_STAGE_REFLECTION, .add = post_add_reflection, .user = made});
+	if (result == STILB_OK)
+		result = stilb_render_add_feature(
 			render, &(stilb_render_feature){.stage = STILB_RENDER_STAGE_LIGHT, .add = post_add_light, .user = made});
 	if (result == STILB_OK)
 		result = stilb_render_add_feature(
@@ -130,6 +153,8 @@ void stilb_post_destroy(stilb_post *post)
 	stilb_render_remove_feature(post->render, post);
 	post_exposure_finish(post);
 	post_grade_finish(post);
+	post_lens_finish(post);
+	post_reflections_finish(post);
 	for (uint32_t f = 0; f < STILB_POST_BLOOM_FORMATS_COUNT; f++)
 		for (uint32_t p = 0; p < POST_PROGRAMS; p++)
 			if (post->programs[f][p].id)
@@ -168,6 +193,7 @@ void stilb_post_see(stilb_post *post, const stilb_render_view *view)
 	around = stilb_mat4_multiply(view->view_projection, around);
 	post->exposure = view->exposure;
 	post->shows_light = view->show == STILB_RENDER_SHOW_SHADED || view->show == STILB_RENDER_SHOW_ERROR;
+	post->to_clip = around;
 	post->from_clip = stilb_mat4_inverse(&around);
 	post->sees = post->from_clip.m[15] != 0.0f || post->from_clip.m[11] != 0.0f;
 	for (int i = 0; i < 16; i++)

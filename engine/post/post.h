@@ -4,7 +4,9 @@
  *
  * Chain      In this order, whatever was asked for first:
  *              occlusion  stage AMBIENT  ambient light where surfaces are in each other's way
+ *              reflections  stage REFLECTION  surfaces mirror what else the picture shows
  *              temporal   stage LIGHT    antialiasing by the mean of frames
+ *              depth of field  stage LIGHT  what is not in focus is blurred
  *              motion     stage LIGHT    what moves while the shutter is open
  *              exposure   stage LIGHT    how bright the light is, before the lens scatters it
  *              bloom      stage LIGHT    light that the lens scatters
@@ -14,6 +16,22 @@
  *            the cosine; what is nearer than the radius hides its directions, less the farther it is. It darkens the
  *            image "ambient" alone (render_images.h), so views need ambient_apart, and pictures one sample a pixel: in
  *            others there is no such row. What depth does not show hides nothing.
+ * Reflections  What surfaces mirror of the surroundings gives way to what else of the scene the picture shows, where
+ *            mirrored rays meet it: rays over a hierarchy of the frame's nearest depths, of rough surfaces several in a
+ *            cone. It changes the image "reflection" alone (render_images.h), so views need `mirrors`, pictures one
+ *            sample a pixel and cameras a perspective: in others there are no such rows. What is mirrored is all light
+ *            of surfaces of "ambient"; it fades towards the picture's edges, and what would be seen from behind is not
+ *            there. With CRUDE some steps of equal length, fewer the rougher a surface is, faded towards their end.
+ * Depth of   A thin lens of radius `aperture` in focus at the distance `focus`, as rays have it (gi_render.h): what is
+ * field      at depth z along the view is spread over the aperture's shape, of radius aperture |1 / focus - 1 / z| in
+ *            the picture plane at distance 1, its circle of confusion. Radii above an eighth of the picture's height,
+ *            or above 200 pixels, are cut to that. What is nearer than the plane in focus is apart from the rest: it
+ *            covers what is behind it as far as it spreads, while what is in focus keeps its edges, and nothing that
+ *            lies behind another thing spreads over it. What near things hide is not known, and is taken from around.
+ *            Blended surfaces have the depth of what lies behind them. Frames have one sample a pixel and a
+ *            perspective: others are left as they are. NaN and infinite light spreads nowhere.
+ *            With LERP light is blurred whatever its depth, by two radii, and each pixel has what lies linearly between
+ *            these and its own: small and large blur of Karis, "Uncharted 2" (2010).
  * Bloom      A share of each pixel's light goes to pixels around it, the rest stays: no light is made or lost but at
  *            the picture's edges, where it is mirrored. The pattern is a sum of ever wider ones, each twice as wide as
  *            the one before: the light is halved in size again and again, and added up on the way back. Both ways the
@@ -52,11 +70,14 @@
  *            everywhere between. Weights that sum to more than 1 are divided by their sum; what they leave is for the
  *            table of no area. What is seen is the same mean of what these tables show, as the camera stands.
  * Sources    Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion" (2008), and Jimenez, Wu, Pesce,
- *            Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion" (2016), for occlusion; Karis,
+ *            Jarabo, "Practical Real-Time Strategies for Accurate Indirect Occlusion" (2016), for occlusion; Uludag,
+ *            "Hi-Z Screen-Space Cone-Traced Reflections" (GPU Pro 5, 2014), for reflections; Karis,
  *            "High-Quality Temporal Supersampling" (2014), and Yang, Liu, Salvi, "A Survey of Temporal Antialiasing
  *            Techniques" (2020), for temporal antialiasing; McGuire, Hennessy, Bukowski, Osman, "A Reconstruction
  *            Filter for Plausible Motion Blur" (2012), for motion; Karis, "Tone mapping" (2013), for T; Jimenez, "Next
- *            Generation Post Processing in Call of Duty: Advanced Warfare" (2014), for motion and the chain of halves;
+ *            Generation Post Processing in Call of Duty: Advanced Warfare" (2014), for motion, the chain of
+ *            halves, and the near field and tiles of depth of field; Potmesil, Chakravarty, "A Lens and Aperture
+ *            Camera Model for Synthetic Image Generation" (1981), for its circles;
  *            Lottes, "FXAA" (2009), and Reshetov, "Morphological Antialiasing" (2009), for edges.
  * Life       stilb_post_create, stilb_post_set whenever settings change, stilb_post_destroy before the renderer.
  * Threads    [main-thread] of the renderer, all of them.
@@ -84,6 +105,31 @@ typedef enum stilb_post_bloom_format {
 	STILB_POST_BLOOM_FORMATS(STILB_POST_BLOOM_ENUM) STILB_POST_BLOOM_FORMATS_COUNT
 } stilb_post_bloom_format;
 #undef STILB_POST_BLOOM_ENUM
+
+/* How surfaces mirror what the picture shows. */
+#define STILB_POST_REFLECTIONS_WAYS(X)                                                                                 \
+	X(OFF, "off", "they mirror the surroundings alone")                                                                \
+	X(CONES, "cones", "cones, by a hierarchy of depth")                                                                \
+	X(CRUDE, "crude", "some steps, fewer the rougher a surface is")                                                    \
+	X(LINEAR, "linear", "64 steps, and nothing where they meet nothing: what others are measured by")
+
+#define STILB_POST_REFLECTIONS_ENUM(id, ...) STILB_POST_REFLECTIONS_##id,
+typedef enum stilb_post_reflections {
+	STILB_POST_REFLECTIONS_WAYS(STILB_POST_REFLECTIONS_ENUM) STILB_POST_REFLECTIONS_COUNT
+} stilb_post_reflections;
+#undef STILB_POST_REFLECTIONS_ENUM
+extern const char *const stilb_post_reflections_names[];
+
+/* How depth of field blurs. */
+#define STILB_POST_DOFS(X)                                                                                             \
+	X(OFF, "off", "everything is sharp")                                                                               \
+	X(BOKEH, "bokeh", "near and far fields, in the aperture's shape")                                                  \
+	X(LERP, "lerp", "between two blurs, whatever the depth")
+
+#define STILB_POST_DOF_ENUM(id, ...) STILB_POST_DOF_##id,
+typedef enum stilb_post_dof { STILB_POST_DOFS(STILB_POST_DOF_ENUM) STILB_POST_DOF_COUNT } stilb_post_dof;
+#undef STILB_POST_DOF_ENUM
+extern const char *const stilb_post_dof_names[];
 
 /* Their identifiers, NULL-terminated; the index is the stilb_post_bloom_format. */
 extern const char *const stilb_post_bloom_format_names[];
@@ -147,8 +193,13 @@ typedef struct stilb_post_settings {
 	float exposure_rate;                        /* r, stops a second, >= 0 and finite; 0: 4 */
 	float exposure_darkest, exposure_brightest; /* what it lies between, stops, -32..32, in order; both 0: -16 and 16 */
 	float motion_blur; /* the share of a frame while the shutter is open, 0..1; 0: there is no such row. Films: .5 */
-	float motion_blur_most; /* of the picture's height, what the longest way is cut to, 0..1; 0: 0.1 */
-	stilb_post_aa aa;       /* besides several samples a pixel, with which each goes */
+	float motion_blur_most;             /* of the picture's height, what the longest way is cut to, 0..1; 0: 0.1 */
+	stilb_post_aa aa;                   /* besides several samples a pixel, with which each goes */
+	stilb_post_reflections reflections; /* OFF: there are no such rows */
+	stilb_post_dof dof;                 /* OFF: there is no such row */
+	float aperture;  /* radius of the lens, metres, >= 0; 0: everything is sharp, and there is no such row */
+	float focus;     /* distance of the plane in focus along the view, metres, >= 0; with such a row > 0 */
+	uint32_t blades; /* corners of the aperture, 3..16; 0: it is round */
 } stilb_post_settings;
 
 /* With defaults in place of zeros that stand for them. settings: valid. [any-thread] */
@@ -183,7 +234,7 @@ void stilb_post_jitter(uint64_t frame, float pixels[2]);
 void stilb_post_hold(stilb_post *post, bool held);
 
 /* What the next replay's view into the main images sees: read are view_projection, last, camera_position, exposure,
- * show. At first a view of zeros, by which nothing is occluded. */
+ * show. At first a view of zeros, by which nothing is occluded or blurred. */
 void stilb_post_see(stilb_post *post, const stilb_render_view *view);
 
 /* ---- grade ------------------------------------------------------------------------------------------------------- */

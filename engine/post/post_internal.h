@@ -84,6 +84,28 @@ float post_exposure_step(float from, float to, float seconds, const stilb_post_s
 bool post_exposure_is_valid(const stilb_post_settings *settings);
 void post_exposure_defaults(stilb_post_settings *settings);
 
+typedef enum post_lens_program {
+	POST_LENS_LIGHT,
+	POST_LENS_HALVE_FIRST,
+	POST_LENS_HALVE,
+	POST_LENS_TILES,
+	POST_LENS_REACH,
+	POST_LENS_GATHER,
+	POST_LENS_COMBINE,
+	POST_LENS_BLUR,
+	POST_LENS_LERP,
+	POST_LENS_PROGRAMS
+} post_lens_program;
+
+typedef enum post_reflections_program {
+	POST_REFLECTIONS_LIGHT,
+	POST_REFLECTIONS_NEAREST,
+	POST_REFLECTIONS_PLACE,
+	POST_REFLECTIONS_TRACE,
+	POST_REFLECTIONS_APPLY,
+	POST_REFLECTIONS_PROGRAMS
+} post_reflections_program;
+
 struct stilb_post {
 	stilb_render *render;
 	stilb_post_settings settings;
@@ -97,12 +119,18 @@ struct stilb_post {
 	stilb_mat4 to_last; /* from clip space to that of the frame before */
 	bool held;          /* motion blur goes on with the velocities of the frame before */
 	bool forgotten;     /* the next frame has no history */
+	stilb_mat4 to_clip; /* its inverse */
+	uint16_t ambient;   /* of this frame, with occlusion */
 	stilb_gpu_sampler linear;
 	post_cpu *cpu; /* NULL: nothing was computed by the CPU yet */
 	stilb_job_pool *pool;
 	stilb_gpu_buffer mapped[POST_MAPPED]; /* images while the CPU works on them */
 	uint64_t mapped_bytes[POST_MAPPED];
 	stilb_gpu_program programs[STILB_POST_BLOOM_FORMATS_COUNT][POST_PROGRAMS];
+	stilb_gpu_program lens[POST_LENS_PROGRAMS];
+	uint32_t lens_blades[POST_LENS_PROGRAMS]; /* of the aperture that each of them is made for */
+	stilb_gpu_program reflections[POST_REFLECTIONS_PROGRAMS];
+	uint32_t reflections_way[POST_REFLECTIONS_PROGRAMS]; /* likewise, a stilb_post_reflections */
 };
 
 extern const stilb_gpu_shader post_shader_bloom_halve, post_shader_bloom_double, post_shader_bloom_add;
@@ -111,6 +139,12 @@ extern const stilb_gpu_shader post_shader_occlusion, post_shader_occlusion_smoot
 extern const stilb_gpu_shader post_shader_temporal, post_shader_edges;
 extern const stilb_gpu_shader post_shader_motion_kept, post_shader_motion_tile, post_shader_motion_around,
 	post_shader_motion;
+extern const stilb_gpu_shader post_shader_reflections_light, post_shader_reflections_nearest,
+	post_shader_reflections_place;
+extern const stilb_gpu_shader post_shader_reflections_trace, post_shader_reflections_apply;
+extern const stilb_gpu_shader post_shader_lens_light, post_shader_lens_halve, post_shader_lens_tiles;
+extern const stilb_gpu_shader post_shader_lens_reach, post_shader_lens_gather, post_shader_lens_combine;
+extern const stilb_gpu_shader post_shader_lens_blur, post_shader_lens_lerp;
 
 /* The program of this number, made when it is first asked for; of bloom in this format. Constant 0 of bloom's shaders
  * is whether it is FIXED, 1 of the one that halves whether it is the first; 0 of the one of

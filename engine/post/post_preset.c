@@ -88,7 +88,7 @@ static stilb_post_table *preset_table(preset_reader *r, uint32_t key)
 
 /* ---- members ----------------------------------------------------------------------------------------------------- */
 
-typedef enum preset_kind { PRESET_NUMBER, PRESET_PAIR, PRESET_CHOICE } preset_kind;
+typedef enum preset_kind { PRESET_NUMBER, PRESET_COUNT, PRESET_PAIR, PRESET_CHOICE } preset_kind;
 
 /* Members that are settings. */
 typedef struct preset_field {
@@ -118,6 +118,11 @@ static const preset_field preset_fields[] = {
 	{"aa", PRESET_CHOICE, AT(aa), 0.0f, 0.0f, stilb_post_aa_names},
 	{"motion_blur", PRESET_NUMBER, AT(motion_blur), 0.0f, 1.0f, NULL},
 	{"motion_blur_most", PRESET_NUMBER, AT(motion_blur_most), 0.0f, 1.0f, NULL},
+	{"reflections", PRESET_CHOICE, AT(reflections), 0.0f, 0.0f, stilb_post_reflections_names},
+	{"dof", PRESET_CHOICE, AT(dof), 0.0f, 0.0f, stilb_post_dof_names},
+	{"aperture", PRESET_NUMBER, AT(aperture), 0.0f, PRESET_FAR, NULL},
+	{"focus", PRESET_NUMBER, AT(focus), 0.0f, PRESET_FAR, NULL},
+	{"blades", PRESET_COUNT, AT(blades), 0.0f, 16.0f, NULL},
 	{"exposure_percentiles", PRESET_PAIR, AT(exposure_low), 0.0f, 1.0f, NULL},
 	{"exposure_speed", PRESET_NUMBER, AT(exposure_speed), 0.0f, PRESET_MOST, NULL},
 	{"exposure_rate", PRESET_NUMBER, AT(exposure_rate), 0.0f, PRESET_MOST, NULL},
@@ -219,6 +224,14 @@ static void preset_setting(preset_reader *r, uint32_t object, uint32_t key, cons
 		memcpy(at, &choice, sizeof choice);
 		return;
 	}
+	if (field->kind == PRESET_COUNT) {
+		float number = preset_number(r, key, field->low, field->high);
+		uint32_t count = number > 0.0f ? (uint32_t)number : 0;
+		if ((float)count != number && r->json.fault[0] == '\0')
+			scene_json_blame(&r->json, key + 1, "'%s' is no whole number", field->key);
+		memcpy(at, &count, sizeof count);
+		return;
+	}
 	if (field->kind == PRESET_NUMBER) {
 		pair[0] = preset_number(r, key, field->low, field->high);
 		memcpy(at, pair, sizeof *pair);
@@ -272,6 +285,11 @@ static void preset_read(preset_reader *r)
 			p->tone = preset_choice(r, key, stilb_scene_tone_names);
 		p->has_tone |= which == PRESET_TONE;
 	}
+	const stilb_post_settings *s = &p->settings;
+	if (r->json.fault[0] == '\0' && s->blades > 0 && s->blades < 3)
+		scene_json_blame(&r->json, root, "'blades' are 3 to 16, or 0: a circle");
+	if (r->json.fault[0] == '\0' && s->dof != STILB_POST_DOF_OFF && s->aperture > 0.0f && s->focus == 0.0f)
+		scene_json_blame(&r->json, root, "'dof' with an 'aperture' needs a 'focus'");
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */

@@ -80,8 +80,7 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 		{"--light-fade", FLAG_AMOUNT, &p->light_fade, "PIXELS",
 	     "lights whose reach has fewer pixels are out; up to twice that they fade (0)", 0, 1000, NULL},
 		{"--shadows", FLAG_CHOICE, &p->shadows, "off|map|buffer",
-	     "map: what lights see is drawn into maps; buffer: read before lights (map)", 0, 0,
-	     stilb_engine_shadow_names},
+	     "map: what lights see is drawn into maps; buffer: read before lights (map)", 0, 0, stilb_engine_shadow_names},
 		{"--cascades", FLAG_NUMBER, &p->cascades, "1..8", "shadow maps of a sun (4 on a GPU, 2 in software)", 1, 8,
 	     NULL},
 		{"--cascade-size", FLAG_NUMBER, &p->cascade_size, "TEXELS",
@@ -96,8 +95,7 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 		{"--shadow-samples", FLAG_NUMBER, &p->shadow_samples, "N",
 	     "gather: texels, 1, 4, 16 or 36 (16); compare: comparisons, 1, 4 or 12 (12)", 1, 36, NULL},
 		{"--shadow-bias", FLAG_CHOICE, &p->shadow_bias, "KIND",
-	     "against self-shading: all, or slope, plane, way alone, or none (all)", 0, 0,
-	     stilb_engine_shadow_bias_names},
+	     "against self-shading: all, or slope, plane, way alone, or none (all)", 0, 0, stilb_engine_shadow_bias_names},
 		{"--shadow-faces", FLAG_CHOICE, &p->shadow_faces, "both|front|back",
 	     "sides of triangles, as a light sees them, that maps have (both)", 0, 0, stilb_engine_shadow_faces_names},
 		{"--ambient", FLAG_CHOICE, &p->ambient, "KIND",
@@ -244,6 +242,15 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 	     stilb_post_dither_names},
 		{"--grade", FLAG_TEXT, &p->grade, "FILE.cube", "a table of colours that the picture is shown through (none)", 0,
 	     0, NULL},
+		{"--reflections", FLAG_CHOICE, &p->reflections, "KIND",
+	     "surfaces mirror what the picture shows: off, cones, crude or linear (off)", 0, 0,
+	     stilb_post_reflections_names},
+		{"--dof", FLAG_CHOICE, &p->dof, "KIND", "depth of field: off, bokeh, or lerp, between two blurs (off)", 0, 0,
+	     stilb_post_dof_names},
+		{"--aperture", FLAG_AMOUNT, &p->aperture, "R", "radius of the lens, metres, with --dof", 0, 1000000, NULL},
+		{"--focus", FLAG_AMOUNT, &p->focus, "D", "distance of the plane in focus, metres, with --dof", 0, 1000000,
+	     NULL},
+		{"--blades", FLAG_NUMBER, &p->blades, "N", "corners of the aperture, 3..16; 0: a circle (0)", 0, 16, NULL},
 		{"--preset", FLAG_TEXT, &p->preset, "FILE.json", "a look: all of these settings, as far as no flag says others",
 	     0, 0, NULL},
 	};
@@ -291,6 +298,11 @@ stilb_post_settings picture_flags_post(const picture_flags *p)
 	settings.aa = (stilb_post_aa)p->aa;
 	settings.motion_blur = p->motion_blur;
 	settings.motion_blur_most = p->motion_blur_most;
+	settings.reflections = (stilb_post_reflections)p->reflections;
+	settings.dof = (stilb_post_dof)p->dof;
+	settings.aperture = p->aperture;
+	settings.focus = p->focus;
+	settings.blades = (uint32_t)p->blades;
 	return settings;
 }
 
@@ -503,6 +515,26 @@ static bool picture_check_lighting(const picture_flags *p)
 	return true;
 }
 
+static bool picture_check_dof(const picture_flags *p)
+{
+	bool dof = p->dof != STILB_POST_DOF_OFF;
+	if (dof && p->samples > 1)
+		stilb_log("--dof has one sample a pixel; leave out --msaa");
+	else if (dof && p->aperture <= 0.0f)
+		stilb_log("--dof needs --aperture R, the radius of the lens in metres");
+	else if (dof && p->focus <= 0.0f)
+		stilb_log("--dof needs --focus D, the distance of the plane in focus in metres");
+	else if (!dof && (p->aperture > 0.0f || p->focus > 0.0f || p->blades > 0))
+		stilb_log("%s needs --dof bokeh: without it everything is in focus", p->aperture > 0.0f ? "--aperture"
+		                                                                     : p->focus > 0.0f  ? "--focus"
+		                                                                                        : "--blades");
+	else if (p->blades == 1 || p->blades == 2)
+		stilb_log("--blades: '%u' corners are too few; give 3..16, or 0 for a circle", (unsigned)p->blades);
+	else
+		return true;
+	return false;
+}
+
 static bool picture_check_post(const picture_flags *p)
 {
 	if (p->occlusion > 0.0f && p->samples > 1) {
@@ -517,7 +549,11 @@ static bool picture_check_post(const picture_flags *p)
 		          p->show);
 		return false;
 	}
-	return true;
+	if (p->reflections != STILB_POST_REFLECTIONS_OFF && p->samples > 1) {
+		stilb_log("--reflections has one sample a pixel; leave out --msaa");
+		return false;
+	}
+	return picture_check_dof(p);
 }
 
 bool picture_flags_check(const picture_flags *p)

@@ -38,17 +38,21 @@ typedef struct picture_flags {
 	uint64_t cascades, cascade_size;   /* 0 if not given */
 	uint64_t shadow_samples;
 	bool shadow_objects;
-	float shadow_distance;                       /* metres */
-	uint64_t samples;                            /* 0 if not given */
-	uint64_t max_anisotropy;                     /* 0 if not given */
-	float occlusion, occlusion_radius;           /* of stilb_post_settings */
-	int dither;                                  /* a stilb_post_dither */
-	const char *grade, *preset;                  /* NULL if not given */
-	stilb_post_settings post;                    /* those of the preset, for what has no flag */
-	int aa;                                      /* a stilb_post_aa */
-	float bloom, bloom_width;                    /* likewise */
-	float motion_blur, motion_blur_most;         /* likewise */
-	int bloom_format, post_place;                /* a stilb_post_bloom_format, a stilb_post_place */
+	float shadow_distance;               /* metres */
+	uint64_t samples;                    /* 0 if not given */
+	uint64_t max_anisotropy;             /* 0 if not given */
+	float occlusion, occlusion_radius;   /* of stilb_post_settings */
+	int dither;                          /* a stilb_post_dither */
+	const char *grade, *preset;          /* NULL if not given */
+	stilb_post_settings post;            /* those of the preset, for what has no flag */
+	int aa;                              /* a stilb_post_aa */
+	float bloom, bloom_width;            /* likewise */
+	float motion_blur, motion_blur_most; /* likewise */
+	int bloom_format, post_place;        /* a stilb_post_bloom_format, a stilb_post_place */
+	int reflections;                     /* a stilb_post_reflections */
+	int dof;                             /* a stilb_post_dof */
+	float aperture, focus;               /* of stilb_post_settings */
+	uint64_t blades;
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
 	float roughness, anisotropy, wrap, specular; /* added to each material's value; NaN: the chosen BRDF's default */
 	bool validate, allow_outside, quiet;

@@ -141,8 +141,10 @@ static const char *const live_images[][2] = {
 };
 
 /* Flags that a preset says, too, in the order of the bits of post_given. */
-static const char *const live_look_flags[] = {"--ao",   "--ao-radius", "--bloom",    "--bloom-width", "--bloom-format",
-                                              "--post", "--dither",    "--exposure", "--tone"};
+static const char *const live_look_flags[] = {
+	"--ao",       "--ao-radius", "--bloom",       "--bloom-width",      "--bloom-format", "--post",
+	"--dither",   "--aa",        "--motion-blur", "--motion-blur-most", "--reflections",  "--dof",
+	"--aperture", "--focus",     "--blades",      "--exposure",         "--tone"};
 
 void live_options_look(live_options *o, stilb_post_preset *preset)
 {
@@ -154,16 +156,33 @@ void live_options_look(live_options *o, stilb_post_preset *preset)
 		void *to;
 		const void *from;
 	} words[] = {
-		{&p->occlusion, &s->occlusion},     {&p->occlusion_radius, &s->occlusion_radius}, {&p->bloom, &s->bloom},
-		{&p->bloom_width, &s->bloom_width}, {&p->bloom_format, &s->bloom_format},         {&p->post_place, &s->place},
+		{&p->occlusion, &s->occlusion},
+		{&p->occlusion_radius, &s->occlusion_radius},
+		{&p->bloom, &s->bloom},
+		{&p->bloom_width, &s->bloom_width},
+		{&p->bloom_format, &s->bloom_format},
+		{&p->post_place, &s->place},
 		{&p->dither, &s->dither},
+		{&p->aa, &s->aa},
+		{&p->motion_blur, &s->motion_blur},
+		{&p->motion_blur_most, &s->motion_blur_most},
+		{&p->reflections, &s->reflections},
+		{&p->dof, &s->dof},
+		{&p->aperture, &s->aperture},
+		{&p->focus, &s->focus},
 	};
-	enum { WORDS = sizeof words / sizeof *words, EXPOSURE = WORDS, TONE };
+	enum { WORDS = sizeof words / sizeof *words, BLADES = WORDS, EXPOSURE, TONE };
 	static_assert(sizeof(float) == 4 && sizeof(int) == 4 && sizeof(stilb_post_place) == 4, "each has four bytes");
 	for (uint32_t i = 0; i < WORDS; i++)
 		if (!(o->look_given >> i & 1u))
 			memcpy(words[i].to, words[i].from, 4);
 	p->post = *s;
+	if (!(o->look_given >> BLADES & 1u))
+		p->blades = s->blades;
+	if (p->dof != STILB_POST_DOF_OFF && p->aperture > 0.0f && p->focus == 0.0f) {
+		stilb_log("depth of field needs --focus: there is none");
+		p->dof = STILB_POST_DOF_OFF;
+	}
 	if (!(o->look_given >> EXPOSURE & 1u)) {
 		bool says = preset && preset->has_exposure;
 		if (says)

@@ -26,6 +26,14 @@ static void broken_contracts(void **state)
 		{.exposure_darkest = NAN},
 		{.bloom_format = STILB_POST_BLOOM_FORMATS_COUNT},
 		{.dither = STILB_POST_DITHERS_COUNT},
+		{.reflections = STILB_POST_REFLECTIONS_COUNT},
+		{.dof = STILB_POST_DOF_COUNT},
+		{.dof = STILB_POST_DOF_BOKEH, .aperture = 0.1f},
+		{.aperture = -0.1f},
+		{.aperture = INFINITY},
+		{.focus = NAN},
+		{.blades = 2},
+		{.blades = 17},
 	};
 	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
 		assert_false(stilb_post_settings_are_valid(&wrong[i]));

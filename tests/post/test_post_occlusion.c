@@ -384,7 +384,8 @@ static void several_samples_are_refused(void **state)
 	stilb_log_set(take_line, said);
 	stilb_engine_set_post(engine, &post);
 	stilb_log_set(NULL, NULL);
-	assert_string_equal(said, "ambient occlusion has one sample a pixel, and frames have 4: they are without it");
+	assert_string_equal(
+		said, "ambient occlusion (post.occlusion) has one sample a pixel, and frames have 4: they are without it");
 	stilb_engine_destroy(engine);
 }
 

@@ -592,7 +592,8 @@ void render_velocity_attach(render_device *device, const struct render_stream *s
 /* ---- render_around.c: the surroundings' light apart from all other ----------------------------------------------- */
 
 /* Adds to the row that draws it the two images of that light, and its depth. */
-void render_around_attach(render_device *device, render_frame_target *target, stilb_gpu_pass *row);
+void render_around_attach(render_device *device, const stilb_render_view *view, render_frame_target *target,
+                          stilb_gpu_pass *row);
 /* Adds the row that adds these two, or what has taken their place, to the target's radiance. */
 stilb_result render_around_add(render_device *device, const render_frame_target *target, const uint16_t images[2]);
 

@@ -836,7 +836,7 @@ static stilb_result frame_apart(render_device *device, const render_stream *stre
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " ambient");
-	render_around_attach(device, target, &row);
+	render_around_attach(device, stream->view, target, &row);
 	if (render_formulas_are_gloss(around))
 		frame_gloss(device, &row);
 	row_constants(&row, push, sizeof *push);

@@ -43,6 +43,13 @@
 #define STILB_RENDER_IMAGE_AMBIENT "ambient"
 #define STILB_RENDER_IMAGE_REFLECTION "reflection"
 
+/* Of views with `mirrors`, of the same surfaces, by the same passes, one sample a pixel; elsewhere 0. Outputs.
+ *   mirror         which share of the surroundings' light their highlights mirror, by channel, and their roughness;
+ *                  rgba8_u
+ *   mirror normal  their shading normal, as "surface normal" has it */
+#define STILB_RENDER_IMAGE_MIRROR "mirror"
+#define STILB_RENDER_IMAGE_MIRROR_NORMAL "mirror normal"
+
 /* With lighting DEFERRED and TILED_DEFERRED, of the surfaces that are lit so (shaders/deferred/gbuffer.glsl), rgba16_u,
  * one sample a pixel; of a target with another name NAME " normal", .... They hold anything where none is.
  *   normal    the shading normal on the octahedral map, x and y; anisotropy; these three times 0.5, plus 0.5; wrap

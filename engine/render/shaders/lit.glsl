@@ -461,8 +461,24 @@ void terms_write(vec3 n)
 
 // LIT_AROUND: programs that draw what surfaces send on of the surroundings' light alone, in two parts.
 #ifdef LIT_AROUND
-layout(location = 1) out vec4 reflection;                  // behind what they send on evenly
+#include "../../shading/shade_impostor.h"
+layout(location = 1) out vec4 reflection; // behind what they send on evenly
+layout(location = 2) out vec4 mirror;     // what share of it the surface mirrors, and its roughness
+layout(location = 3) out vec2 mirror_normal;
 vec3 around_even = vec3(0.0), around_mirrored = vec3(0.0); // of this pixel
+vec4 around_mirror = vec4(0.0);
+vec3 around_normal = vec3(0.0, 1.0, 0.0);
+
+// The share of the surroundings' light that own_highlight mirrors.
+vec3 own_mirror(shade_material material, vec3 n, vec3 to_camera)
+{
+#ifdef LIT_GLOSS
+	return gloss_reflectance(material, gloss_shares(n, to_camera, material.roughness));
+#else
+	bool mirrors = lights_gloss && !lights_panorama && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED;
+	return mirrors ? material.specular : vec3(0.0);
+#endif
+}
 #endif
 
 // What a surface with the unit normal n sends to the viewer. open: the share of the surroundings' even light that
@@ -477,6 +493,8 @@ vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 
 	material = shade_surface_seen(model, material, dot(n, to_camera));
 	around_even = own_even_radiance(material.diffuse, n) * open;
 	around_mirrored = own_highlight(material, n, to_camera);
+	around_mirror = vec4(own_mirror(material, n, to_camera), material.roughness);
+	around_normal = n;
 	return vec3(0.0);
 #else
 #ifdef MESH_GBUFFER
@@ -571,6 +589,8 @@ vec4 picture_color(vec3 radiance, uint material)
 #ifdef LIT_AROUND
 	bool none = black || detail_kind == DETAIL_SHOW;
 	reflection = vec4(none ? vec3(0.0) : around_mirrored, 1.0);
+	mirror = none ? vec4(0.0) : around_mirror;
+	mirror_normal = shade_octahedral_from_direction(around_normal) * 0.5 + 0.5;
 	return vec4(none ? vec3(0.0) : around_even, 1.0);
 #endif
 #ifdef MESH_GBUFFER
