@@ -12,7 +12,9 @@
 #define EFFECTS_WIDTH 300.0f /* pixels, at most */
 #define EFFECTS_BORDER 2.0f  /* pixels: the panel's border is no thicker */
 #define EFFECTS_INDENT 16.0f /* pixels, of what belongs to the effect above */
-#define EFFECTS_LABEL 64     /* bytes */
+#define EFFECTS_FOCUS 5.0f   /* metres */
+#define EFFECTS_APERTURE 0.02f
+#define EFFECTS_LABEL 64 /* bytes */
 
 /* A line of the window. */
 typedef struct effects_row {
@@ -60,6 +62,10 @@ static const effects_row effects_rows[] = {
 	NUMBER("Speed", exposure_speed, 0.1f, 10.0f, 0.1f, "%.1f / s"),
 	WORD("Dither", dither, stilb_post_dither_names),
 	WORD("Antialiasing", aa, stilb_post_aa_names),
+	WORD("Reflections", reflections, stilb_post_reflections_names),
+	WORD("Depth of field", dof, stilb_post_dof_names),
+	NUMBER("Aperture", aperture, 0.0f, 0.5f, 0.005f, "%.3f m"),
+	NUMBER("Focus", focus, 0.1f, 100.0f, 0.1f, "%.1f m"),
 };
 #define EFFECTS_ROWS ((uint32_t)(sizeof effects_rows / sizeof *effects_rows))
 
@@ -135,7 +141,9 @@ static bool effects_draw_rows(engine_effects *effects, stilb_post_settings *sett
 				changed = true;
 			}
 		} else if (row->kind == EFFECTS_WORD) {
-			changed |= effects_draw_word(ui, line, row, (int *)((char *)settings + row->offset));
+			int *word = (int *)((char *)settings + row->offset);
+			changed |= effects_draw_word(ui, line, row, word);
+			on = *word != 0;
 		}
 		stilb_ui_id_pop(ui);
 	}
@@ -170,6 +178,10 @@ void engine_effects_draw(engine_effects *effects, stilb_ui *ui, const stilb_post
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "Effects", &effects->place, STILB_UI_PANEL_MOVABLE, &effects->open);
 	bool changed = stilb_ui_checkbox(ui, effects_line(style, &area), "Frames without them", &effects->without);
 	changed |= effects_draw_rows(effects, &effects->kept, ui, area);
+	if (effects->kept.dof != STILB_POST_DOF_OFF && effects->kept.focus == 0.0f) { /* a lens that shows what it does */
+		effects->kept.focus = EFFECTS_FOCUS;
+		effects->kept.aperture = effects->kept.aperture > 0.0f ? effects->kept.aperture : EFFECTS_APERTURE;
+	}
 	stilb_ui_panel_end(ui);
 	stilb_ui_id_pop(ui);
 	effects->chosen = effects->without ? none : effects->kept;

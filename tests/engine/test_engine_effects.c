@@ -85,7 +85,23 @@ static float line_x(const stage *s, float share)
 	return place.x0 + 16.0f + share * (place.x1 - place.x0 - 32.0f);
 }
 
-enum { WITHOUT, OCCLUSION, RADIUS, MOTION, LONGEST, BLOOM, BLOOM_WIDTH, IMAGES, PLACE, ADAPTS, SPEED, DITHER, AA };
+enum {
+	WITHOUT,
+	OCCLUSION,
+	RADIUS,
+	MOTION,
+	LONGEST,
+	BLOOM,
+	BLOOM_WIDTH,
+	IMAGES,
+	PLACE,
+	ADAPTS,
+	SPEED,
+	DITHER,
+	AA,
+	MIRROR,
+	LENS
+};
 
 static void effects_are_switched(void **state)
 {
@@ -122,7 +138,10 @@ static void effects_are_switched(void **state)
 	stilb_post_settings moving = stilb_engine_post(s.engine);
 	assert_true(moving.motion_blur == 0.5f && moving.motion_blur_most > 0.0f && moving.aa == STILB_POST_AA_POST);
 	stage_drag(&s, line_x(&s, 0.0f), line_y(&s, MOTION), 0.0f);
+	stage_drag(&s, line_x(&s, 0.5f), line_y(&s, MIRROR), 0.0f);
+	stage_drag(&s, line_x(&s, 0.5f), line_y(&s, LENS), 0.0f);
 	stilb_post_settings all = stilb_engine_post(s.engine);
+	assert_true(all.reflections == 1 && all.dof == 1 && all.aperture > 0.0f && all.focus > 0.0f);
 	assert_true(all.exposure_adapts && all.exposure_speed > 0.0f && all.dither == 1);
 	assert_true(all.occlusion == 1.0f && all.occlusion_radius > 0.0f && all.bloom == bright.bloom);
 	stage_close(&s);

@@ -164,7 +164,8 @@ static void bias_is_enough_and_not_more(void **state)
 	assert_true(!is_long || (100 * back->acne < none->acne && 10 * all->detached < back->detached));
 }
 
-/* Metres of the floor that are lit behind the wall, at which the camera looks from above, in the mean over the columns. */
+/* Metres of the floor that are lit behind the wall, at which the camera looks from above, in the mean over the
+ * columns. */
 static double lit_width(const shadow_stage *stage, const float *share)
 {
 	const stilb_scene_camera *camera = &stage->scene->camera;
