@@ -409,10 +409,19 @@ static void what_is_no_light_is_left_out(void **state)
 				stage_light(&s, f == when ? broken : light);
 				float *shown = stage_shown(&s);
 				for (uint32_t i = 0; i < 3 * 48 * 32; i++) {
-					float allowed = i / 3 != at ? 4e-3f : f == when && when == 0 ? 1.0f : 0.6f;
+					float allowed = i / 3 == at && f >= when ? 1.0f / (float)(f - when + 1) : 4e-3f;
 					if (!(fabsf(shown[i] - light[i]) <= allowed))
 						fail_msg("with %g in frame %u, frame %u, pixel %u: %g, not %g", (double)values[v], when, f,
 						         i / 3, (double)shown[i], (double)light[i]);
+				}
+				for (uint32_t c = 0; c < 3 && f == 0 && when == 0; c++) {
+					float low = 1.0f, high = 0.0f;
+					for (uint32_t n = 0; n < 9; n++) {
+						float beside = light[3 * (at + (n / 3) * 48 + n % 3 - 49) + c];
+						low = n == 4 ? low : fminf(low, beside);
+						high = n == 4 ? high : fmaxf(high, beside);
+					}
+					assert_true(shown[3 * at + c] > low && shown[3 * at + c] < high);
 				}
 				free(shown);
 			}
