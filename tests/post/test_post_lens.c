@@ -156,6 +156,18 @@ static void pictures_are_near_those_of_rays(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* A lamp before the plane in focus has the mirror image of a triangular aperture. */
+static void near_lamps_are_mirrored(void **state)
+{
+	(void)state;
+	static const stilb_post_settings triangle = {.aperture = 0.1f, .focus = 4.0f, .blades = 3};
+	static const stilb_scene_surroundings dark = {0};
+	world_thing lamp = world_put(WORLD_BALL, 0, 1, 2.4f, 0.02f, 0.02f, 0.02f, world_paint(0.9f, 0.9f, 0.9f, 10));
+	stilb_scene *scene = world_make(&lamp, 1, &camera, &dark);
+	compare(scene, "lamp", triangle, 0.02);
+	stilb_scene_destroy(scene);
+}
+
 /* ---- light that is all infinitely far away ----------------------------------------------------------------------- */
 
 #define SIDE 128u
@@ -284,6 +296,7 @@ int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(pictures_are_near_those_of_rays),
+		cmocka_unit_test(near_lamps_are_mirrored),
 		cmocka_unit_test(even_light_stays),
 		cmocka_unit_test(points_have_the_apertures_shape),
 		cmocka_unit_test(odd_sizes_and_no_lens),
