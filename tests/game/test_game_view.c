@@ -548,7 +548,8 @@ static void shows_channels(void **state)
 	assert_int_equal(access("a.dump", F_OK), -1);
 	assert_int_equal(stilb_code(no_display, "view cornell --headless --show nose"), 1);
 	assert_non_null(strstr(run.err, "no image 'nose' to show; this frame has picture"));
-	assert_non_null(strstr(run.err, ", lod, lights, error, cascades, atlas, acne, base, normal, tangent, roughness, metalness, occlusion, "));
+	assert_non_null(strstr(run.err, ", lod, lights, error, cascades, atlas, acne, base, normal, tangent, roughness, "
+	                                "metalness, occlusion, "));
 }
 
 static void refuses(void **state)
