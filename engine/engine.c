@@ -175,6 +175,7 @@ static void shadows_assert(const stilb_engine_shadows *shadows)
 	uint32_t size = shadows->size, samples = shadows->samples;
 	STILB_ASSERT((unsigned)shadows->kind < STILB_ENGINE_SHADOWS_COUNT);
 	STILB_ASSERT(shadows->cascades <= STILB_SHADOW_MAX_CASCADES);
+	STILB_ASSERT((unsigned)shadows->faces < STILB_ENGINE_SHADOW_FACES_COUNT);
 	STILB_ASSERT(size == 0 || (size >= STILB_SHADOW_MIN_SIZE && size <= 8192 && (size & (size - 1)) == 0));
 	STILB_ASSERT(shadows->distance >= 0.0f && isfinite(shadows->distance));
 	STILB_ASSERT(!shadows->objects || shadows->distance > 0.0f);
@@ -317,7 +318,6 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 		engine->visible[v].count = 0; /* they are of the scene before */
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
 		engine->lasts[v].known = false;
-	stilb_post_forget(engine->post);
 	engine->panorama = scene ? scene->surroundings.panorama.pixels : NULL;
 	engine->dumpable = false; /* the views have the lights of the scene before */
 	engine_shadows_forget(&engine->shadows);

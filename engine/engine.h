@@ -527,10 +527,10 @@ stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 stilb_result stilb_engine_save_plan(stilb_engine *engine, const char *path);
 
 /* Adds rows of the program's own to each frame's plan, and removes those with this user; what stilb_render_add_feature
- * says, but with STILB_ENGINE_MAX_FEATURES as the limit: the engine's own effects take the rest. The device for
- * programs, buffers and images of its own, which are destroyed before the engine; and the plan of the last frame, for
- * stilb_gpu_read_begin. */
-#define STILB_ENGINE_MAX_FEATURES (STILB_RENDER_MAX_FEATURES - 4u)
+ * says, but with STILB_ENGINE_MAX_FEATURES as the limit: the engine's own effects and lines take the rest. The device
+ * for programs, buffers and images of its own, which are destroyed before the engine; and the plan of the last frame,
+ * for stilb_gpu_read_begin. */
+#define STILB_ENGINE_MAX_FEATURES (STILB_RENDER_MAX_FEATURES - 5u)
 stilb_result stilb_engine_add_feature(stilb_engine *engine, const stilb_render_feature *feature);
 void stilb_engine_remove_feature(stilb_engine *engine, const void *user);
 stilb_gpu *stilb_engine_gpu(stilb_engine *engine);

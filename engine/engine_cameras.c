@@ -130,6 +130,10 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 	view->view_projection = stilb_scene_camera_matrix(camera, aspect);
 	memcpy(view->camera_position, camera->position, sizeof view->camera_position);
 	stilb_scene_surface_channel channel;
+	if (number > 0) { /* what effects read alone: they are the main picture's */
+		view->mirrors = false;
+		view->ambient_apart = engine->desc.ambient_apart || engine->shows_ambient;
+	}
 	if (!stilb_render_show_channel(view->show, &channel)) {
 		view->exposure = camera->exposure + stilb_post_exposure(engine->post);
 		view->tone = camera->tone;

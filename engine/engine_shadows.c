@@ -375,7 +375,7 @@ static void shadows_tell_cameras(stilb_engine *engine)
 	if (shadows->told_cameras || engine->camera_count == 0 || !(engine->desc.shadows.distance > 0.0f))
 		return;
 	shadows->told_cameras = true;
-	stilb_log("shadows of suns end %g m around the scene's own camera, for the other cameras, too",
+	stilb_log("shadows of suns end %g m around each camera; others see those alone that are around the scene's own",
 	          (double)engine->desc.shadows.distance);
 }
 

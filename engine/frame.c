@@ -290,7 +290,7 @@ static stilb_result frame_keep_scene(stilb_engine *engine)
 	engine->picture.hides_scene = false;
 	stilb_result result = frame_begin(engine);
 	engine_cameras_frame(engine); /* with shadows, which hidden scenes have not */
-	engine_shadows_forget(&engine->shadows);
+	engine->shadows.valid = false;
 	if (result == STILB_OK)
 		result = engine_shadows_frame(engine);
 	if (result == STILB_OK)

@@ -73,13 +73,14 @@ static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *l
 	stilb_result result = STILB_OK;
 	if (settings->aa == STILB_POST_AA_TEMPORAL && post->follows)
 		result = post_temporal_add(post, plan, light);
-	if (result == STILB_OK && settings->dof != STILB_POST_DOF_OFF && settings->aperture > 0.0f && post->sees)
+	bool lens = settings->dof != STILB_POST_DOF_OFF && settings->aperture > 0.0f;
+	if (result == STILB_OK && lens && post->sees && post->shaded)
 		result = post_lens_add(post, plan, light);
 	if (result == STILB_OK && settings->motion_blur > 0.0f && post->follows)
 		result = post_motion_add(post, plan, light);
 	if (result == STILB_OK && settings->exposure_adapts && post->shows_light)
 		result = post_exposure_add(post, plan, *light);
-	return result == STILB_OK && settings->bloom > 0.0f ? post_bloom_choose(post, plan, light) : result;
+	return result == STILB_OK && settings->bloom > 0.0f && post->shaded ? post_bloom_choose(post, plan, light) : result;
 }
 
 static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t *ambient)
@@ -87,7 +88,7 @@ static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t 
 	stilb_post *post = user;
 	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH);
 	post->ambient = *ambient;
-	if (post->settings.occlusion == 0.0f || !post->sees)
+	if (post->settings.occlusion == 0.0f || !post->sees || !post->shaded)
 		return STILB_OK;
 	STILB_ASSERT(depth != 0);
 	bool floats = stilb_gpu_plan_extent(plan, depth)->format == STILB_GPU_D32_F;
@@ -101,7 +102,7 @@ static stilb_result post_add_ambient(void *user, stilb_gpu_plan *plan, uint16_t 
 static stilb_result post_add_reflection(void *user, stilb_gpu_plan *plan, uint16_t *reflection)
 {
 	stilb_post *post = user;
-	bool is_there = post->settings.reflections != STILB_POST_REFLECTIONS_OFF && post->sees;
+	bool is_there = post->settings.reflections != STILB_POST_REFLECTIONS_OFF && post->sees && post->shaded;
 	return is_there ? post_reflections_add(post, plan, reflection) : STILB_OK;
 }
 
@@ -120,7 +121,7 @@ stilb_result stilb_post_create(stilb_render *render, stilb_post **post)
 	if (!made)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the chain of effects");
 	made->render = render;
-	made->shows_light = true;
+	made->shows_light = made->shaded = true;
 	stilb_result result = stilb_gpu_sampler_get(stilb_render_gpu(render), &linear, &made->linear);
 	if (result == STILB_OK)
 		result = stilb_render_add_feature(
@@ -192,7 +193,8 @@ void stilb_post_see(stilb_post *post, const stilb_render_view *view)
 	memcpy(&around.m[12], view->camera_position, sizeof view->camera_position);
 	around = stilb_mat4_multiply(view->view_projection, around);
 	post->exposure = view->exposure;
-	post->shows_light = view->show == STILB_RENDER_SHOW_SHADED || view->show == STILB_RENDER_SHOW_ERROR;
+	post->shaded = view->show == STILB_RENDER_SHOW_SHADED;
+	post->shows_light = post->shaded || view->show == STILB_RENDER_SHOW_ERROR;
 	post->to_clip = around;
 	post->from_clip = stilb_mat4_inverse(&around);
 	post->sees = post->from_clip.m[15] != 0.0f || post->from_clip.m[11] != 0.0f;

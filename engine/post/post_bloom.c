@@ -97,7 +97,7 @@ stilb_result post_bloom_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *li
 	uint16_t bloomed = stilb_gpu_plan_image(plan, &row);
 	stilb_result result = STILB_OK;
 	for (uint32_t l = 0; l < chain.count && result == STILB_OK; l++) {
-		const bloom_level *level = &chain.levels[l], *finer = level - 1;
+		const bloom_level *level = &chain.levels[l], *finer = &chain.levels[l > 0 ? l - 1 : 0];
 		result = l == 0 ? bloom_pass(&chain, POST_BLOOM_HALVE_FIRST, level->halved, *light, width, height, 0, 0.0f)
 		                : bloom_pass(&chain, POST_BLOOM_HALVE, level->halved, finer->halved, finer->width,
 		                             finer->height, 0, 0.0f);

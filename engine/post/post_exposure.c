@@ -198,6 +198,7 @@ stilb_result stilb_post_look(stilb_post *post)
 	else
 		post->meter.wanted = post->meter.exposure;
 	post->meter.known = true;
+	post->forgotten = true; /* the frame that is seen moves from the one before, not from this one */
 	return result;
 }
 

@@ -115,6 +115,7 @@ struct stilb_post {
 	post_meter meter;
 	post_grading grading;
 	bool shows_light;   /* the main view's image is light, not counts or a channel of materials */
+	bool shaded;        /* and nothing else: not how far it is off, either */
 	bool follows;       /* to_last is there, and what frames show may be followed from frame to frame */
 	stilb_mat4 to_last; /* from clip space to that of the frame before */
 	bool held;          /* motion blur goes on with the velocities of the frame before */

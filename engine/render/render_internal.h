@@ -620,8 +620,8 @@ uint32_t render_unlit_around_bits(uint32_t light_bits);
 uint32_t render_shadow_bits(const stilb_render_view *view);
 /* True if the view's shadows are read from a buffer, if it has no more lights than that holds. */
 bool render_view_has_buffer(const render_device *device, const stilb_render_view *view);
-/* RENDER_SHADOW_... of programs that draw that. */
-uint32_t render_terms_shadow_bits(const render_device *device, uint32_t shadow_bits);
+/* RENDER_SHADOW_... of programs that draw that; mask: they read STILB_RENDER_IMAGE_MASK. */
+uint32_t render_terms_shadow_bits(uint32_t shadow_bits, bool mask);
 /* Bits of these programs. */
 uint32_t render_terms_bits(uint32_t light_bits);
 
@@ -656,9 +656,13 @@ stilb_result render_shadows_list(stilb_render *render, const stilb_render_view *
 
 /* ---- device/render_shadow.c ---- */
 
-/* Adds the images that a row reads which draws it, and, `layer` of it, what it draws into. */
+/* The image STILB_RENDER_IMAGE_MASK, if there is one and it is of this target; 0: there is none.
+ * STILB_ERROR_ARGUMENT: it is of another size or format. */
+stilb_result render_terms_mask(const render_device *device, const render_frame_target *target, uint16_t *mask);
+
+/* Adds the images that a row reads which draws it, and, `layer` of it, what it draws into. mask: 0: there is none. */
 stilb_result render_terms_attach(render_device *device, const struct render_stream *stream, render_frame_target *target,
-                                 uint16_t layer, stilb_gpu_pass *row);
+                                 uint16_t mask, uint16_t layer, stilb_gpu_pass *row);
 
 /* Adds the use of their image, or of one in its place, to a row whose uses so far are images. */
 stilb_result render_shadow_use(render_device *device, const struct render_stream *stream,

@@ -61,9 +61,9 @@ static double sun_end(const stilb_shadow_desc *desc, const stilb_shadow_view *vi
 }
 
 /* The matrix of a map that holds the sphere within its inner part. right, up: the map's columns and rows go along them,
- * and light along `along`. inner: texels of that part. whole: it is for all that is drawn. */
+ * and light along `along`. inner: texels of that part. ends: what lies behind the sphere gets no shadow from it. */
 static stilb_mat4 sun_matrix(const stilb_shadow_view *view, const sun_sphere *sphere, float right[3], float up[3],
-                             const float along[3], double size, double inner, bool whole)
+                             const float along[3], double size, double inner, bool ends)
 {
 	/* A texel less on each side: the map lies at whole texels. */
 	double texel = 2.0 * sphere->radius / (inner - 2.0), middle[2] = {0.0, 0.0}, depth = 0.0, below = 0.0;
@@ -86,7 +86,7 @@ static stilb_mat4 sun_matrix(const stilb_shadow_view *view, const sun_sphere *sp
 	/* Depth is 1 where the bounds begin and 0 where they end, or as far below the sphere as the map's sides are beside
 	 * it: what lies behind throws no shadow on what the map is for. */
 	double first = depth - range, last = depth + range;
-	if (!whole)
+	if (ends)
 		last = texel * (floor(below / texel + 0.5) + 0.5 * size);
 	double span = fmax(last - first, texel);
 	for (int c = 0; c < 3; c++)
@@ -108,17 +108,18 @@ void shadow_sun_fit(const stilb_shadow_desc *desc, const stilb_shadow_view *view
 		double far = sun_end(desc, view, c), blend = whole ? 0.0 : (double)SHADOW_BLEND * size;
 		sun_sphere sphere = {{(double)view->bounds.x, (double)view->bounds.y, (double)view->bounds.z},
 		                     (double)view->bounds.radius};
+		bool ends = !whole && !view->others && !desc->objects; /* who else looks sees what is behind */
 		if (!whole)
 			sphere = desc->objects ? sun_objects(view) : sun_sphere_of(view, ahead, slant, near, far);
 		maps[c].view_projection =
-			sun_matrix(view, &sphere, right, up, direction, size, size - 2.0 * (desc->filter + blend), whole);
+			sun_matrix(view, &sphere, right, up, direction, size, size - 2.0 * (desc->filter + blend), ends);
 		maps[c].blend = (float)blend;
 		for (int i = 0; i < 3; i++)
 			maps[c].eye[i] = (float)(sphere.center[i] - 4.0 * (double)view->bounds.radius * (double)direction[i]);
 		maps[c].caster_count = 0;
 		maps[c].far = whole ? 0.0f : (float)far;
 		double texel = 2.0 * sphere.radius / (size - 2.0 * (desc->filter + blend) - 2.0);
-		if (!whole && !view->others && !desc->objects)
+		if (ends)
 			shadow_casters_choose(view, direction, (float)far, (float)((desc->filter + 2.0) * texel),
 			                      (float)(SUN_BESIDE * sphere.radius), &maps[c]);
 		/* Already before its end it gives way to the next one, at the picture's corners less far ahead. */

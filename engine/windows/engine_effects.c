@@ -21,11 +21,10 @@ typedef struct effects_row {
 	const char *label;
 	enum {
 		EFFECTS_EFFECT, /* an amount, 0: the effect is off */
-		EFFECTS_SWITCH, /* likewise, a bool */
 		EFFECTS_NUMBER, /* of the effect above; 0: its default */
 		EFFECTS_WORD,   /* likewise, an enumeration whose words are `words` */
 	} kind;
-	size_t offset; /* in stilb_post_settings, of a float, a bool or an int */
+	size_t offset; /* in stilb_post_settings, of a float or an int */
 	float usual;   /* of an effect that is switched on for the first time; it goes from 0 to 1 */
 	stilb_ui_slider_range range;
 	const char *const *words; /* NULL-terminated */
@@ -35,10 +34,6 @@ typedef struct effects_row {
 #define EFFECT(text, member, first)                                                                                    \
 	{                                                                                                                  \
 		.label = text, .kind = EFFECTS_EFFECT, .offset = EFFECTS_AT(member), .usual = first                            \
-	}
-#define SWITCH(text, member)                                                                                           \
-	{                                                                                                                  \
-		.label = text, .kind = EFFECTS_SWITCH, .offset = EFFECTS_AT(member)                                            \
 	}
 #define NUMBER(text, member, ...)                                                                                      \
 	{                                                                                                                  \
@@ -58,8 +53,6 @@ static const effects_row effects_rows[] = {
 	NUMBER("Width", bloom_width, 0.01f, 1.0f, 0.01f, "%.2f"),
 	WORD("Images", bloom_format, stilb_post_bloom_format_names),
 	WORD("Computed by", place, stilb_post_place_names),
-	SWITCH("Exposure that adapts", exposure_adapts),
-	NUMBER("Speed", exposure_speed, 0.1f, 10.0f, 0.1f, "%.1f / s"),
 	WORD("Dither", dither, stilb_post_dither_names),
 	WORD("Antialiasing", aa, stilb_post_aa_names),
 	WORD("Reflections", reflections, stilb_post_reflections_names),
@@ -127,10 +120,6 @@ static bool effects_draw_rows(engine_effects *effects, stilb_post_settings *sett
 			float *amount = effects_number(settings, row);
 			changed |= effects_draw_effect(ui, line, row, amount, effects_number(&effects->last, row));
 			on = *amount > 0.0f;
-		} else if (row->kind == EFFECTS_SWITCH) {
-			bool *whether = (bool *)((char *)settings + row->offset);
-			changed |= stilb_ui_checkbox(ui, line, row->label, whether);
-			on = *whether;
 		} else {
 			line.x0 += EFFECTS_INDENT;
 		}

@@ -347,6 +347,13 @@ static bool picture_check_show(const picture_flags *p)
 	}
 	stilb_render_show kind;
 	picture_shown image;
+	picture_flags_show(p, &kind, &image);
+	bool of_shadows =
+		kind == STILB_RENDER_SHOW_CASCADES || kind == STILB_RENDER_SHOW_ATLAS || kind == STILB_RENDER_SHOW_ACNE;
+	if (of_shadows && p->shadows == STILB_ENGINE_SHADOWS_OFF) {
+		stilb_log("--show %s is of shadows; leave out --shadows off", p->show);
+		return false;
+	}
 	if (p->show_range && !picture_flags_show(p, &kind, &image)) {
 		stilb_log("--show-range is of an image; name one with --show");
 		return false;
@@ -520,11 +527,11 @@ static bool picture_check_dof(const picture_flags *p)
 	bool dof = p->dof != STILB_POST_DOF_OFF;
 	if (dof && p->samples > 1)
 		stilb_log("--dof has one sample a pixel; leave out --msaa");
-	else if (dof && p->aperture <= 0.0f)
+	else if (dof && !p->preset && p->aperture <= 0.0f)
 		stilb_log("--dof needs --aperture R, the radius of the lens in metres");
-	else if (dof && p->focus <= 0.0f)
+	else if (dof && p->aperture > 0.0f && p->focus <= 0.0f)
 		stilb_log("--dof needs --focus D, the distance of the plane in focus in metres");
-	else if (!dof && (p->aperture > 0.0f || p->focus > 0.0f || p->blades > 0))
+	else if (!dof && !p->preset && (p->aperture > 0.0f || p->focus > 0.0f || p->blades > 0))
 		stilb_log("%s needs --dof bokeh: without it everything is in focus", p->aperture > 0.0f ? "--aperture"
 		                                                                     : p->focus > 0.0f  ? "--focus"
 		                                                                                        : "--blades");

@@ -204,11 +204,16 @@ static void live_print_shadows(const live_report *report, FILE *out)
 	if (shadows.kind == STILB_ENGINE_SHADOWS_OFF ||
 	    (last->shadow_maps + last->shadow_lights_left + last->shadow_lights_faded == 0))
 		return;
-	bool coarser = stilb_engine_device_is_software(report->engine) &&
-	               (report->options->picture.cascades == 0 || report->options->picture.cascade_size == 0);
+	const picture_flags *picture = &report->options->picture;
+	char coarser[48] = "";
+	if (stilb_engine_device_is_software(report->engine) && (picture->cascades == 0 || picture->cascade_size == 0))
+		snprintf(coarser, sizeof coarser, " (on a GPU %u of %u)",
+		         picture->cascades > 0     ? (uint32_t)picture->cascades
+		         : picture->shadow_objects ? 1u
+		                                   : 4u,
+		         picture->cascade_size > 0 ? (uint32_t)picture->cascade_size : 2048u);
 	fprintf(out, "shadows: %u maps, %u of them drawn in the last frame; %u cascades of %u texels%s\n",
-	        last->shadow_maps, last->shadow_maps_drawn, shadows.cascades, shadows.size,
-	        coarser ? " (on a GPU 4 of 2048)" : "");
+	        last->shadow_maps, last->shadow_maps_drawn, shadows.cascades, shadows.size, coarser);
 	if (last->shadow_lights_left + last->shadow_lights_faded > 0)
 		fprintf(out, "shadows: of %u lights that are seen none has room, of %u they have faded out\n",
 		        last->shadow_lights_left, last->shadow_lights_faded);

@@ -293,7 +293,7 @@ static void live_tell_shadows(live_run *run, const stilb_engine_report *report)
 	char text[128];
 	snprintf(text, sizeof text, "Shadows on a software device: %u cascades of %u texels; --cascades and --cascade-size",
 	         shadows.cascades, shadows.size);
-	if (picture->cascades == 0 || picture->cascade_size == 0)
+	if (!picture->shadow_objects && (picture->cascades == 0 || picture->cascade_size == 0))
 		live_run_tell(run, text);
 }
 

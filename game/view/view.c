@@ -189,6 +189,7 @@ static stilb_result view_arrived(view *v)
 	if (come.looks) {
 		stilb_post_settings look = picture_flags_post(&v->options.picture);
 		stilb_engine_set_post(v->run->engine, &look);
+		v->own_look = come.own;
 		if (live_run_grade(v->run) != STILB_OK)
 			view_warn(v, "%s", stilb_error_message());
 	}
@@ -208,7 +209,7 @@ static stilb_result view_arrived(view *v)
 }
 
 /* Takes the look that lies beside the scene's file, or none; --preset counts for all scenes. */
-static stilb_result view_take_look(view *v, const char *name, bool *looks)
+static stilb_result view_take_look(view *v, const char *name, view_coming *come)
 {
 	char path[PATH_MAX];
 	stilb_post_preset *preset = NULL;
@@ -222,7 +223,8 @@ static stilb_result view_take_look(view *v, const char *name, bool *looks)
 		if (!v->options.picture.quiet)
 			stilb_log("%s: pictures are shown as this file says", path);
 	}
-	*looks = preset || v->options.preset; /* else what the user has chosen stays */
+	come->own = preset;
+	come->looks = preset || v->own_look; /* else what the user has chosen stays */
 	live_options_look(&v->options, preset);
 	return STILB_OK;
 }
@@ -238,7 +240,7 @@ static stilb_result view_opened(view *v)
 	if (result == STILB_OK && !come.name)
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
 	if (result == STILB_OK)
-		result = view_take_look(v, come.name, &come.looks);
+		result = view_take_look(v, come.name, &come);
 	if (result == STILB_OK)
 		result = view_ready(v, come.scene, come.again, &come.metered);
 	if (result == STILB_OK && v->run->window)
@@ -431,6 +433,19 @@ static bool view_check(view *v)
 	return picture_flags_check_camera("--inset", v->inset) && live_options_check(&v->options) && view_rays_check(v);
 }
 
+/* The look beside the first scene's file, as far as it can be read, so that the engine is made for it. What is wrong
+ * with it is said when the scene has been opened. */
+static void view_first_look(view *v)
+{
+	char path[PATH_MAX];
+	stilb_post_preset *preset;
+	snprintf(path, sizeof path, "%s" STILB_POST_PRESET_SUFFIX, v->name);
+	if (!v->options.picture.preset && access(path, F_OK) == 0 && stilb_post_preset_open(path, &preset) == STILB_OK) {
+		live_options_look(&v->options, preset);
+		v->own_look = true;
+	}
+}
+
 int view_command(int argc, char **argv)
 {
 	static const live_program program = {
@@ -487,6 +502,7 @@ int view_command(int argc, char **argv)
 		stilb_log("no memory for a name");
 		return EXIT_FAILED;
 	}
+	view_first_look(&v);
 	live_run run = {.options = &v.options, .program = &program, .user = &v};
 	int code = live_run_main(&run);
 	live_options_finish(&v.options);

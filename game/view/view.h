@@ -32,7 +32,7 @@ typedef struct view_coming {
 	char *name;
 	view_load_cost cost;
 	view_watch watch;    /* of its file, unless `again` */
-	bool looks;          /* its pictures have a look of their own, or those before had */
+	bool looks, own;     /* its pictures have another look than those before: one of their own, or none */
 	bool again, metered; /* a new state of the file that is shown; its exposure was metered */
 } view_coming;
 
@@ -50,6 +50,7 @@ struct view {
 	const char *inset;             /* of --inset; NULL: none */
 	stilb_scene_camera inset_camera;
 	bool has_inset; /* the scene has that camera */
+	bool own_look;  /* frames have the look of a scene, from the file beside it */
 	live_run *run;
 	stilb_scene *scene;
 	float distance;          /* of the point that the camera orbits */

@@ -207,6 +207,34 @@ static void even_light_stays(void **state)
 	stage_close(&s);
 }
 
+/* Blurs of few pixels by any shape leave even light as it is, also that of two blurs. */
+static void small_blurs_leave_light(void **state)
+{
+	(void)state;
+	static float light[SIDE * SIDE * 3];
+	post_stage s;
+	stage_open(&s, STILB_RENDER_DEVICE_VULKAN, SIDE, SIDE);
+	for (uint32_t i = 0; i < SIDE * SIDE * 3; i++)
+		light[i] = 0.75f;
+	stage_light(&s, light);
+	for (uint32_t blades = 0; blades <= 6; blades += blades == 0 ? 3 : 1)
+		for (int circle = 1; circle <= 7; circle += 2)
+			for (int dof = STILB_POST_DOF_OFF + 1; dof < STILB_POST_DOF_COUNT; dof++) {
+				look(&s, blades);
+				float aperture = (float)circle * 2.0f * tanf(0.5f * camera.fov_y) / (float)s.height;
+				stilb_post_set(s.post,
+				               &(stilb_post_settings){
+								   .dof = (stilb_post_dof)dof, .aperture = aperture, .focus = 1.0f, .blades = blades});
+				float *shown = stage_shown(&s);
+				for (uint32_t i = 0; i < SIDE * SIDE * 3; i++)
+					if (!(fabsf(shown[i] - 0.75f) < 3e-3f))
+						fail_msg("%s, %u blades, circle %d: %g", stilb_post_dof_names[dof], blades, circle,
+						         (double)shown[i]);
+				free(shown);
+			}
+	stage_close(&s);
+}
+
 /* True if a point of the picture, from the source on, lies in the aperture's shape of this radius. */
 static bool lies_in(uint32_t blades, float radius, float x, float y)
 {
@@ -298,6 +326,7 @@ int main(void)
 		cmocka_unit_test(pictures_are_near_those_of_rays),
 		cmocka_unit_test(near_lamps_are_mirrored),
 		cmocka_unit_test(even_light_stays),
+		cmocka_unit_test(small_blurs_leave_light),
 		cmocka_unit_test(points_have_the_apertures_shape),
 		cmocka_unit_test(odd_sizes_and_no_lens),
 	};

@@ -390,6 +390,29 @@ static void all_sizes_are_means(void **state)
 	}
 }
 
+/* Where nothing around is light, nothing is made up. */
+static void areas_without_light_are_black(void **state)
+{
+	(void)state;
+	static float light[3 * 48 * 32];
+	post_stage s;
+	stage_open(&s, STILB_RENDER_DEVICE_VULKAN, 48, 32);
+	stage_follow(&s);
+	light_random(&s, 7, light);
+	for (uint32_t i = 0; i < 25; i++)
+		for (uint32_t c = 0; c < 3; c++)
+			light[3 * ((10 + i / 5) * 48 + 20 + i % 5) + c] = INFINITY;
+	stage_light(&s, light);
+	for (uint32_t f = 0; f < 5; f++) {
+		float *shown = stage_shown(&s);
+		for (uint32_t c = 0; c < 3; c++)
+			if (!(fabsf(shown[3 * (12 * 48 + 22) + c]) <= 1e-3f))
+				fail_msg("frame %u: %g", f, (double)shown[3 * (12 * 48 + 22) + c]);
+		free(shown);
+	}
+	stage_close(&s);
+}
+
 /* A pixel that is no light in one frame is like those around it then, and no other pixel knows of it, then or later. */
 static void what_is_no_light_is_left_out(void **state)
 {
@@ -509,11 +532,11 @@ static void changes_are_taken(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(still_edges_are_smooth),      cmocka_unit_test(moving_edges_are_smooth),
-		cmocka_unit_test(filtered_edges_are_smoother), cmocka_unit_test(what_has_gone_leaves_nothing),
-		cmocka_unit_test(all_sizes_are_means),         cmocka_unit_test(what_is_no_light_is_left_out),
-		cmocka_unit_test(places_are_spread),           cmocka_unit_test(jitter_moves_pixels_alone),
-		cmocka_unit_test(changes_are_taken),
+		cmocka_unit_test(still_edges_are_smooth),        cmocka_unit_test(moving_edges_are_smooth),
+		cmocka_unit_test(filtered_edges_are_smoother),   cmocka_unit_test(what_has_gone_leaves_nothing),
+		cmocka_unit_test(all_sizes_are_means),           cmocka_unit_test(what_is_no_light_is_left_out),
+		cmocka_unit_test(areas_without_light_are_black), cmocka_unit_test(places_are_spread),
+		cmocka_unit_test(jitter_moves_pixels_alone),     cmocka_unit_test(changes_are_taken),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

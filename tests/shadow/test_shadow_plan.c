@@ -202,6 +202,16 @@ static void near_things_have_a_map(void **state)
 			place_of(map, point, at);
 			assert_true(inside(map, at) >= desc.filter + (double)map->blend - 0.01);
 		}
+		for (int p = 0; p < 50; p++) { /* also what lies far behind them gets their shadow */
+			float away[3];
+			double point[3], at[4];
+			direction(away);
+			const double center[3] = {(double)view.bounds.x, (double)view.bounds.y, (double)view.bounds.z};
+			for (int i = 0; i < 3; i++)
+				point[i] = center[i] + (double)view.bounds.radius * (double)away[i];
+			place_of(map, point, at);
+			assert_true(at[2] >= 0.0 && at[2] <= 1.0);
+		}
 		const float *m = map->view_projection.m;
 		double radius = 2.0 / sqrt((double)(m[0] * m[0] + m[4] * m[4] + m[8] * m[8])) *
 		                (256.0 - 2.0 * (desc.filter + (double)map->blend) - 2.0) / 512.0;

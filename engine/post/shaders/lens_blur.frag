@@ -24,5 +24,6 @@ void main()
 			float share = aperture_share(aperture_narrowed(push.radius, pixels) / pixels, aperture_radius(way));
 			sum += share * vec4(texelFetch(defocus, clamp(at, ivec2(0), last), level).rgb, 1.0);
 		}
-	blurred = vec4(sum.rgb / sum.a, 1.0);
+	vec3 own = texelFetch(defocus, clamp(middle, ivec2(0), last), level).rgb; // corners may leave out all middles
+	blurred = vec4(sum.a > 0.0 ? sum.rgb / sum.a : own, 1.0);
 }

@@ -45,7 +45,7 @@ void main()
 			nearest += first * share * vec4(there.rgb, 1.0);
 			near += (before ? 1.0 - first : 0.0) * share * vec4(there.rgb, 1.0);
 			float unknown = 1.0 / (squared * squared * (1.0 + there[0] + there[1] + there[2]));
-			unknown *= smoothstep(0.7, 0.3, there.a / here.a);
+			unknown *= 1.0 - smoothstep(0.3, 0.7, there.a / here.a);
 			rest += (here.a < 0.0 ? unknown : before ? 0.0 : share) * vec4(there.rgb, 1.0);
 		}
 	if (here.a < 0.0)

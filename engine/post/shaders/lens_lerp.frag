@@ -18,7 +18,9 @@ void main()
 	color = texelFetch(light, pixel, 0);
 	vec3 small = textureLod(narrow, at, 0.0).rgb;
 	if (circle > push.radius)
-		color.rgb = mix(small, textureLod(wide, at, 0.0).rgb, (circle - push.radius) / (push.largest - push.radius));
+		color.rgb =
+			mix(small, textureLod(wide, at, 0.0).rgb,
+		        min((circle - push.radius) / (push.largest - push.radius), 1.0)); // near things' circles may be larger
 	else if (circle > 0.0)
 		color.rgb = mix(here.rgb, small, circle / push.radius);
 }

@@ -10,12 +10,14 @@ layout(constant_id = 0) const int most_still = 64;
 layout(constant_id = 1) const int most_moving = 9;
 
 // As temporal_push.
-layout(push_constant, std430) uniform Push {
+layout(push_constant, std430) uniform Push
+{
 	mat4 to_last;   // from this frame's clip space to that of the last one, both with the same jitter
 	vec4 ahead_row; // 1 / metres ahead of the camera = dot(ahead_row, place in clip space)
 	float exposure; // factor
 	float history;  // 0: there is none, 1: there is
-} push;
+}
+push;
 
 layout(set = 0, binding = 0) uniform sampler2D light;
 layout(set = 0, binding = 1) uniform sampler2D velocity;
@@ -27,7 +29,7 @@ layout(set = 0, binding = 6) uniform sampler2D last_places;
 
 layout(location = 0) out vec4 color;
 layout(location = 1) out uvec2 models; // what the light is of, a bit for each id % 32 and id / 32 % 24; then frames
-layout(location = 2) out vec4 places; // the nearest and the farthest of it, metres ahead; its own movement, pixels
+layout(location = 2) out vec4 places;  // the nearest and the farthest of it, metres ahead; its own movement, pixels
 
 const float MOST = 65504.0; // of half floats
 const float STILL = 0.02;   // pixels and, of the camera's way, thousandths: rounding of velocities
@@ -149,7 +151,7 @@ vec4 spline(float t)
 {
 	float s = 1.0 - t;
 	return vec4(SHARP * t * s * s, 1.0 + t * t * ((SHARP + 2.0) * t - SHARP - 3.0),
-		1.0 + s * s * ((SHARP + 2.0) * s - SHARP - 3.0), SHARP * s * t * t);
+	            1.0 + s * s * ((SHARP + 2.0) * s - SHARP - 3.0), SHARP * s * t * t);
 }
 
 vec4 last_at(ivec2 at)
@@ -229,8 +231,10 @@ void main()
 		history = last_spline(first, part);
 	else if (weights > 0.0)
 		history /= weights;
-	vec3 kept = clamp(chroma_from(history.rgb), low, high);
-	history = vec4(chroma_to(kept), clamp(history.a, low_alpha_high.x, low_alpha_high.y));
+	if (low.x <= high.x) { // else there is no light around
+		vec3 kept = clamp(chroma_from(history.rgb), low, high);
+		history = vec4(chroma_to(kept), clamp(history.a, low_alpha_high.x, low_alpha_high.y));
+	}
 
 	float count = min(frames + 1.0, float(between ? most_moving : most_still));
 	if (!fine && frames > 0.0)

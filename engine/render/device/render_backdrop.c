@@ -25,7 +25,7 @@ static void backdrop_axis(const float matrix[16], size_t row, float out[4])
 	for (size_t i = 0; i < 3; i++)
 		square += matrix[4 * i + row] * matrix[4 * i + row];
 	for (size_t i = 0; i < 3; i++)
-		out[i] = matrix[4 * i + row] / square;
+		out[i] = square > 0.0f ? matrix[4 * i + row] / square : 0.0f; /* parallel views look nowhere */
 	out[3] = 0.0f;
 }
 

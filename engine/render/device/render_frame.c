@@ -681,12 +681,14 @@ static stilb_result frame_terms(render_device *device, const render_stream *stre
 	render_formula_programs *choice;
 	uint32_t list;
 	terms.lights.bits = render_terms_bits(lights->bits);
-	terms.lights.shadow_bits = render_terms_shadow_bits(device, render_shadow_bits(stream->view));
+	uint16_t mask;
 	if (lights->terms == 0)
 		return STILB_OK;
-	stilb_result result =
-		render_programs_choose(device, &stream->view->shading, terms.lights.bits, terms.lights.shadow_bits,
-	                           stream->kinds, frame_surfaces(stream), &choice);
+	stilb_result result = render_terms_mask(device, target, &mask);
+	terms.lights.shadow_bits = render_terms_shadow_bits(render_shadow_bits(stream->view), mask != 0);
+	if (result == STILB_OK)
+		result = render_programs_choose(device, &stream->view->shading, terms.lights.bits, terms.lights.shadow_bits,
+		                                stream->kinds, frame_surfaces(stream), &choice);
 	if (result == STILB_OK)
 		result = frame_list(device, &terms, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, choice, &list);
 	device->stats.shadow_terms += lights->terms;
@@ -698,7 +700,7 @@ static stilb_result frame_terms(render_device *device, const render_stream *stre
 		part.view.lists = render_slot_now(device)->memory[RENDER_MEMORY_LIGHT_LISTS].address +
 		                  (lights->term_list + layer) * sizeof(uint32_t[RENDER_SHADOW_LAYER]);
 		stilb_gpu_pass row = frame_row(device, stream, list, " shadow buffer");
-		result = render_terms_attach(device, &terms, target, layer, &row);
+		result = render_terms_attach(device, &terms, target, mask, layer, &row);
 		row_constants(&row, &part, sizeof part);
 		if (result == STILB_OK)
 			stilb_gpu_plan_pass(device->plan, &row);

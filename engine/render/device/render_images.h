@@ -86,8 +86,9 @@
 #define STILB_RENDER_IMAGE_SHADOW_BUFFER "shadow buffer"
 
 /* The share of each shadowed directional light that reaches the pixel where its cascades end: layer k of the k-th one,
- * r8_u, the picture's size. Who knows, writes it, in a row of the stage FIRST (stilb_render_feature): nothing here
- * does, and where there is none, as beyond its layers, all light arrives. Read where the shadow buffer is drawn. */
+ * r8_u, the size of the main images, whose it is. Who knows, writes it, in a row of the stage FIRST
+ * (stilb_render_feature): nothing here does, and where there is none, as beyond its layers, all light arrives. Read
+ * where the shadow buffer is drawn. */
 #define STILB_RENDER_IMAGE_MASK "mask"
 
 /* Reserved: nothing writes these yet. */

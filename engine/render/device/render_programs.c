@@ -813,7 +813,7 @@ static stilb_result prepare_way(render_device *device, const stilb_render_view *
 	stilb_result result = first != 0 ? prepare_surfaces(device, view, first, 0, kinds, surfaces, maps) : STILB_OK;
 	if (light_bits & RENDER_LIGHTS_SHADOWS && render_view_has_buffer(device, view)) {
 		if (result == STILB_OK)
-			result = prepare_surfaces(device, view, terms, render_terms_shadow_bits(device, shadow_bits), kinds,
+			result = prepare_surfaces(device, view, terms, render_terms_shadow_bits(shadow_bits, false), kinds,
 			                          surfaces, maps);
 		shadow_bits = RENDER_SHADOW_BUFFER;
 	}

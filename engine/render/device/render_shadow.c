@@ -59,10 +59,23 @@ static uint16_t terms_layers(const render_stream *stream)
 	return (uint16_t)((stream->lights.terms + RENDER_SHADOW_LAYER - 1) / RENDER_SHADOW_LAYER);
 }
 
-stilb_result render_terms_attach(render_device *device, const render_stream *stream, render_frame_target *target,
-                                 uint16_t layer, stilb_gpu_pass *row)
+stilb_result render_terms_mask(const render_device *device, const render_frame_target *target, uint16_t *mask)
 {
-	uint16_t mask = stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_MASK);
+	*mask = target->main ? stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_MASK) : 0;
+	if (*mask == 0)
+		return STILB_OK;
+	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(device->plan, *mask);
+	if (extent->format == STILB_GPU_R8_U && extent->width == target->width && extent->height == target->height)
+		return STILB_OK;
+	return stilb_fail(STILB_ERROR_ARGUMENT,
+	                  "image '%s' is %ux%u of format %s, and the main images are %ux%u; make it as large, of r8_u",
+	                  STILB_RENDER_IMAGE_MASK, extent->width, extent->height,
+	                  stilb_gpu_format_describe(extent->format)->name, target->width, target->height);
+}
+
+stilb_result render_terms_attach(render_device *device, const render_stream *stream, render_frame_target *target,
+                                 uint16_t mask, uint16_t layer, stilb_gpu_pass *row)
+{
 	stilb_result result = render_shadow_use(device, stream, target, row);
 	if (result == STILB_OK && mask == 0)
 		result = shadow_none(device);

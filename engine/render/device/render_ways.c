@@ -153,8 +153,7 @@ uint32_t render_terms_bits(uint32_t light_bits)
 	return (light_bits & read) | RENDER_LIGHTS_LAID;
 }
 
-uint32_t render_terms_shadow_bits(const render_device *device, uint32_t shadow_bits)
+uint32_t render_terms_shadow_bits(uint32_t shadow_bits, bool mask)
 {
-	bool mask = device->frame.begun && stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_MASK) != 0;
 	return shadow_bits | RENDER_SHADOW_TERMS | (mask ? RENDER_SHADOW_MASK : 0);
 }
