@@ -220,15 +220,15 @@ static void shadows(stilb_render *render)
 	contract_breaks("replay_area_is_sound", replay_with_area(render, STILB_RENDER_TARGET_LIGHT, 1, 0, 0));
 	contract_breaks("replay_area_is_sound", replay_with_area(render, STILB_RENDER_TARGET_DEPTH, 2, 0, 0));
 	contract_breaks("replay_area_is_sound", replay_with_area(render, STILB_RENDER_TARGET_DEPTH, 1, 5, 4));
-	contract_breaks("shadows_are_sound", replay_with_shadows(render, whole, (stilb_render_shadow){0, 1},
+	contract_breaks("shadows_are_sound", replay_with_shadows(render, whole, (stilb_render_shadow){.map_count = 1},
 	                                                         STILB_RENDER_MAX_SHADOW_FILTER + 1));
 	contract_breaks("shadows_are_sound",
 	                replay_with_shadows(render, (stilb_render_shadow_map){.layer = 2, .area = {0, 0, 16, 16}},
-	                                    (stilb_render_shadow){0, 1}, 2));
+	                                    (stilb_render_shadow){.map_count = 1}, 2));
 	contract_breaks("shadows_are_sound", replay_with_shadows(render, (stilb_render_shadow_map){.area = {0, 0, 4, 4}},
-	                                                         (stilb_render_shadow){0, 1}, 2));
-	contract_breaks("shadow_is_sound", replay_with_shadows(render, whole, (stilb_render_shadow){0, 2}, 2));
-	contract_breaks("shadow_is_sound", replay_with_shadows(render, part, (stilb_render_shadow){0, 1}, 2));
+	                                                         (stilb_render_shadow){.map_count = 1}, 2));
+	contract_breaks("shadow_is_sound", replay_with_shadows(render, whole, (stilb_render_shadow){.map_count = 2}, 2));
+	contract_breaks("shadow_is_sound", replay_with_shadows(render, part, (stilb_render_shadow){.map_count = 1}, 2));
 }
 
 /* A frame of a view with one light, of which the caller has made something wrong. */

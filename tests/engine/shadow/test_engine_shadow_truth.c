@@ -334,8 +334,8 @@ static void edges_are_as_wide(void **state)
 }
 
 /* Of many things in front of each other: shadows of lamps are nearer to those of rays than shadows of points in their
- * places, over all scenes together; of one scene they may be off by a tenth more. References are to a standard error of
- * 1 / 255. */
+ * places, over all scenes together; of one scene they may be off by a tenth more, and where no edge is in sight by .03.
+ * References are to a standard error of 1 / 255. */
 static void sizes_lessen_the_error(void **state)
 {
 	(void)state;
@@ -355,7 +355,7 @@ static void sizes_lessen_the_error(void **state)
 			print_message("%s, %s: off by %.4f, that of a point by %.4f; error of the rays %.4f\n", scene_names[s],
 			              kind_names[k], soft, hard, (double)truth.error);
 			assert_true(truth.error <= 1.0f / 255.0f);
-			assert_true(soft < 1.1 * hard);
+			assert_true(truth.error > 0.0f ? soft < 1.1 * hard : soft < 0.03); /* 0: no edge is in sight */
 			all_soft += soft;
 			all_hard += hard;
 			shadow_truth_finish(&truth);
