@@ -215,8 +215,10 @@ static void host_supply(stilb_farm_crew *crew, uint32_t to)
 	if (count == 0)
 		return;
 	size_t begun = 0, unit_size = crew->work.unit_size;
+	/* What another one is late with, maybe a thread of the host, begins anew: it may be computing it now. */
 	for (uint32_t i = 0; i < count; i++)
-		if (crew->work.state(crew->work.user, units[i]) == STILB_FARM_BEGUN) {
+		if (farm_schedule_is_alone(crew->schedule, units[i]) &&
+		    crew->work.state(crew->work.user, units[i]) == STILB_FARM_BEGUN) {
 			units[i] |= MESSAGE_WITH_RESULT;
 			begun++;
 		}

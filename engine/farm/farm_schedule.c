@@ -183,6 +183,12 @@ uint32_t farm_schedule_take(farm_schedule *s, uint32_t machine, uint32_t threads
 	return count;
 }
 
+bool farm_schedule_is_alone(const farm_schedule *s, uint32_t unit)
+{
+	STILB_ASSERT(unit < s->unit_count && s->units[unit].copies > 0);
+	return s->units[unit].copies == 1;
+}
+
 /* ---- coming back ------------------------------------------------------------------------------------------------- */
 
 void farm_schedule_answer(farm_schedule *s, uint32_t machine, double now)

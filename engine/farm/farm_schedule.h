@@ -36,6 +36,9 @@ void farm_schedule_whole(farm_schedule *schedule, uint32_t unit);
 uint32_t farm_schedule_take(farm_schedule *schedule, uint32_t machine, uint32_t threads, double now, uint32_t *units,
                             uint32_t most);
 
+/* True if no other machine has been given the unit, too, and not yet back. unit: it was taken. */
+bool farm_schedule_is_alone(const farm_schedule *schedule, uint32_t unit);
+
 /* A machine has a result for a unit that it was given, which is not wanted: another one counts. */
 void farm_schedule_answer(farm_schedule *schedule, uint32_t machine, double now);
 
