@@ -3,10 +3,12 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define FIRST_FOR_THREAD 2u /* units for each thread of a machine whose rate is unknown */
 #define OVERDUE 2.0         /* times the time that a machine needs for all it holds */
 #define OVERDUE_LOOKS 4096u /* units that are looked at, the oldest, when machines ask for what others are late with */
+#define UNIT_COPIES 4u      /* machines that have a unit at the same time, at most */
 #define SPARE 2.0           /* times farm_flush_s: a machine has units for so long besides those its threads compute */
 #define FLUSH_LEAST_S 0.01
 #define FLUSH_MACHINE_S 40e-6 /* the host's time for a message of each machine, with room for it to compute */
@@ -14,10 +16,10 @@
 #define QUIET_S 0.01 /* nothing was overdue: nobody looks again before */
 
 typedef struct schedule_unit {
-	uint32_t machine;  /* the last that it was given to */
-	float since;       /* when that was */
-	uint32_t copies;   /* how often it was given out and not back */
-	bool done, listed; /* listed: in the array out */
+	uint32_t machines[UNIT_COPIES]; /* [copies] that have it, each once: else two threads of one computed it at once */
+	uint32_t copies;                /* how often it was given out and not back */
+	float since;                    /* when it was given out last, to the last of them */
+	bool done, listed;              /* listed: in the array out */
 } schedule_unit;
 
 typedef struct schedule_machine {
@@ -99,9 +101,9 @@ static uint32_t units_wanted(const farm_schedule *s, const schedule_machine *m, 
 static void give(farm_schedule *s, uint32_t machine, uint32_t unit, double now)
 {
 	schedule_unit *u = &s->units[unit];
-	u->machine = machine;
+	STILB_ASSERT(u->copies < UNIT_COPIES);
+	u->machines[u->copies++] = machine;
 	u->since = (float)now;
-	u->copies++;
 	s->machines[machine].held++;
 	if (u->listed)
 		return;
@@ -114,7 +116,7 @@ static void give(farm_schedule *s, uint32_t machine, uint32_t unit, double now)
  * slow one loses the unit to another that has nothing to do. */
 static bool is_overdue(const farm_schedule *s, const schedule_unit *u, double now)
 {
-	const schedule_machine *m = &s->machines[u->machine];
+	const schedule_machine *m = &s->machines[u->machines[u->copies - 1]];
 	double rate = fmax(m->rate, s->rate / s->machine_count);
 	return rate > 0.0 && now - (double)u->since > OVERDUE * (m->held + 1) / rate;
 }
@@ -147,6 +149,14 @@ static void out_compact(farm_schedule *s)
 	s->out_count = kept;
 }
 
+static bool has_unit(const schedule_unit *u, uint32_t machine)
+{
+	for (uint32_t i = 0; i < u->copies; i++)
+		if (u->machines[i] == machine)
+			return true;
+	return false;
+}
+
 /* A unit that is overdue elsewhere. */
 static bool overdue_next(farm_schedule *s, uint32_t machine, double now, uint32_t *unit)
 {
@@ -157,7 +167,8 @@ static bool overdue_next(farm_schedule *s, uint32_t machine, double now, uint32_
 	for (uint32_t i = 0; i < s->out_count && i < OVERDUE_LOOKS; i++) {
 		*unit = s->out[(s->out_first + i) % s->unit_count];
 		const schedule_unit *u = &s->units[*unit];
-		if (!u->done && u->copies > 0 && u->machine != machine && is_overdue(s, u, now))
+		bool may = !u->done && u->copies > 0 && u->copies < UNIT_COPIES && !has_unit(u, machine);
+		if (may && is_overdue(s, u, now))
 			return true;
 	}
 	s->quiet = now + QUIET_S;
@@ -221,9 +232,14 @@ bool farm_schedule_done(farm_schedule *s, uint32_t machine, uint32_t unit, doubl
 void farm_schedule_back(farm_schedule *s, uint32_t machine, uint32_t unit)
 {
 	STILB_ASSERT(machine < s->machine_count && unit < s->unit_count && s->units[unit].copies > 0);
+	schedule_unit *u = &s->units[unit];
 	s->machines[machine].held--;
-	s->units[unit].copies--;
-	if (!s->units[unit].done && s->units[unit].copies == 0)
+	uint32_t place = 0;
+	while (place + 1 < u->copies && u->machines[place] != machine)
+		place++;
+	u->copies--;
+	memmove(&u->machines[place], &u->machines[place + 1], (u->copies - place) * sizeof *u->machines);
+	if (!u->done && u->copies == 0)
 		s->back[s->back_count++] = unit;
 }
 

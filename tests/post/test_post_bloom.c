@@ -198,7 +198,7 @@ static void movement_does_not_flicker(void **state)
 	stage_open(&s, STILB_RENDER_DEVICE_VULKAN, 160, 90);
 	bloom_set(&s, (stilb_post_settings){.bloom = 0.5f});
 	float *light = light_make(&s);
-	double least = INFINITY, most = 0.0;
+	double least = HUGE_VAL, most = 0.0;
 	for (uint32_t third = 0; third < 24; third++) {
 		uint32_t x = 70 + third / 3, pixel = 45 * s.width + x;
 		float beside = (float)(third % 3) / 3.0f;

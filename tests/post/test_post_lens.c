@@ -47,7 +47,7 @@ static void circles_of(stilb_engine *engine, const stilb_post_settings *post, fl
 	for (uint32_t i = 0; i < PIXELS; i++) {
 		stilb_engine_hit hit;
 		float x = (float)(i % WIDTH) + 0.5f, y = (float)(i / WIDTH) + 0.5f, inverse = 0.0f;
-		if (stilb_engine_pick(engine, x, y, &hit)) {
+		if (stilb_engine_pick(engine, (double)x, (double)y, &hit)) {
 			float dy = hit.position[1] - camera.position[1], dz = hit.position[2] - camera.position[2];
 			inverse = 1.0f / (dy * sinf(camera.pitch) - dz * cosf(camera.pitch));
 		}

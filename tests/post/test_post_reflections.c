@@ -148,7 +148,7 @@ static void surroundings_stay_where_nothing_is_met(void **state)
 	uint32_t things = 0;
 	for (uint32_t i = 0; i < PIXELS; i++) {
 		stilb_engine_hit hit;
-		if (!stilb_engine_pick(engine, (float)(i % WIDTH) + 0.5f, (float)(i / WIDTH) + 0.5f, &hit) || hit.model == 0)
+		if (!stilb_engine_pick(engine, (double)(i % WIDTH) + 0.5, (double)(i / WIDTH) + 0.5, &hit) || hit.model == 0)
 			continue;
 		things++;
 		for (uint32_t c = 0; c < 3; c++)
