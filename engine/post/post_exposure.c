@@ -50,7 +50,8 @@ void post_exposure_defaults(stilb_post_settings *settings)
 /* log2 of the luminance in the middle of a class. */
 static double exposure_middle(uint32_t at)
 {
-	return EXPOSURE_LOWEST + at / EXPOSURE_STEPS + log2(1.0 + (at % EXPOSURE_STEPS + 0.5) / EXPOSURE_STEPS);
+	uint32_t stop = at / EXPOSURE_STEPS;
+	return EXPOSURE_LOWEST + stop + log2(1.0 + (at % EXPOSURE_STEPS + 0.5) / EXPOSURE_STEPS);
 }
 
 bool post_exposure_of(const uint64_t *counts, const stilb_post_settings *settings, float *stops)
@@ -100,8 +101,9 @@ stilb_result post_exposure_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t 
 	if (result != STILB_OK)
 		return result;
 	meter->groups = groups < POST_EXPOSURE_GROUPS ? (uint32_t)groups : POST_EXPOSURE_GROUPS;
-	stilb_gpu_plan_buffer_row row = {
-		.name = "exposure counts", .bytes = meter->groups * POST_EXPOSURE_CLASSES * sizeof(uint32_t), .output = true};
+	stilb_gpu_plan_buffer_row row = {.name = "exposure counts",
+	                                 .bytes = (uint64_t)meter->groups * POST_EXPOSURE_CLASSES * sizeof(uint32_t),
+	                                 .output = true};
 	uint16_t counts = stilb_gpu_plan_buffer(plan, &row);
 	stilb_gpu_pass pass = {
 		.name = "exposure",

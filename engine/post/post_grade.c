@@ -263,7 +263,7 @@ stilb_result stilb_post_stand(stilb_post *post, const float position[3])
 	STILB_ASSERT(post && position);
 	post_grading *grading = &post->grading;
 	float weights[STILB_POST_MAX_AREAS] = {0};
-	grade_part parts[STILB_POST_MAX_AREAS + 1];
+	grade_part parts[STILB_POST_MAX_AREAS + 1] = {0};
 	float left = post_grade_weights(grading->areas, grading->count, position, weights);
 	if (grading->known && memcmp(weights, grading->weights, sizeof weights) == 0)
 		return STILB_OK;

@@ -96,7 +96,7 @@ static bool reflections_optics(const stilb_post *post, uint32_t height, reflecti
 	float up = sqrtf(to[1] * to[1] + to[5] * to[5] + to[9] * to[9]);
 	if (!(square > 0.0f) || from[11] == 0.0f)
 		return false;
-	for (int i = 0; i < 3; i++) {
+	for (size_t i = 0; i < 3; i++) {
 		push->across[i] = from[i];
 		push->down[i] = from[4 + i];
 		push->ahead[i] = from[12 + i];

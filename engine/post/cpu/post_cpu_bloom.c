@@ -38,9 +38,10 @@ static void cpu_double_row(const post_texel *near, const post_texel *far, uint32
 	for (uint32_t x = 0; 2 * x < to_width; x++) {
 		uint32_t next = x + 1 < width ? x + 1 : x;
 		post_texel behind = 0.75f * near[next] + 0.25f * far[next];
-		to[2 * x] = rest * to[2 * x] + share * (0.75f * here + 0.25f * before);
+		post_texel *two = to + (size_t)2 * x;
+		two[0] = rest * two[0] + share * (0.75f * here + 0.25f * before);
 		if (2 * x + 1 < to_width)
-			to[2 * x + 1] = rest * to[2 * x + 1] + share * (0.75f * here + 0.25f * behind);
+			two[1] = rest * two[1] + share * (0.75f * here + 0.25f * behind);
 		before = here;
 		here = behind;
 	}
