@@ -104,6 +104,9 @@ extern "C" {
 typedef enum stilb_post_bloom_format {
 	STILB_POST_BLOOM_FORMATS(STILB_POST_BLOOM_ENUM) STILB_POST_BLOOM_FORMATS_COUNT
 } stilb_post_bloom_format;
+
+/* Their identifiers, NULL-terminated; the index is the stilb_post_bloom_format. */
+extern const char *const stilb_post_bloom_format_names[];
 #undef STILB_POST_BLOOM_ENUM
 
 /* How surfaces mirror what the picture shows. */
@@ -118,6 +121,7 @@ typedef enum stilb_post_reflections {
 	STILB_POST_REFLECTIONS_WAYS(STILB_POST_REFLECTIONS_ENUM) STILB_POST_REFLECTIONS_COUNT
 } stilb_post_reflections;
 #undef STILB_POST_REFLECTIONS_ENUM
+/* Their identifiers, NULL-terminated; the index is the stilb_post_reflections. */
 extern const char *const stilb_post_reflections_names[];
 
 /* How depth of field blurs. */
@@ -129,10 +133,8 @@ extern const char *const stilb_post_reflections_names[];
 #define STILB_POST_DOF_ENUM(id, ...) STILB_POST_DOF_##id,
 typedef enum stilb_post_dof { STILB_POST_DOFS(STILB_POST_DOF_ENUM) STILB_POST_DOF_COUNT } stilb_post_dof;
 #undef STILB_POST_DOF_ENUM
+/* Their identifiers, NULL-terminated; the index is the stilb_post_dof. */
 extern const char *const stilb_post_dof_names[];
-
-/* Their identifiers, NULL-terminated; the index is the stilb_post_bloom_format. */
-extern const char *const stilb_post_bloom_format_names[];
 
 /* Who computes occlusion and bloom. */
 #define STILB_POST_PLACES(X)                                                                                           \
