@@ -8,6 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+typedef uint32_t uint;
+#define PATHS_FUNCTION static
+#include "gpu/shaders/paths.glsl"
+
 #define SHADER(code)                                                                                                   \
 	{                                                                                                                  \
 		.words = code, .bytes = sizeof code                                                                            \
@@ -36,6 +40,9 @@ static const uint32_t sum_comp[] =
 	;
 static const uint32_t mix_frag[] =
 #include "mix.frag.inc"
+	;
+static const uint32_t paths_frag[] =
+#include "paths.frag.inc"
 	;
 static const uint32_t uniforms_comp[] =
 #include "uniforms.comp.inc"
@@ -517,6 +524,35 @@ static void passes_fill_areas(void **state)
 	}
 }
 
+/* Programs get the code that their constants reach: it computes what all of it would. */
+static void constants_choose_paths(void **state)
+{
+	(void)state;
+	for (uint32_t way = 0; way < 5 * 13; way++) {
+		uint32_t kind = way % 5, bits = way / 5 * 149 % 512;
+		stilb_gpu_program program = program_make((stilb_gpu_program_desc){.name = "paths",
+		                                                                  .fragment = SHADER(paths_frag),
+		                                                                  .constant_count = 3,
+		                                                                  .constants = {{1, 1}, {3, kind}, {7, bits}}});
+		plan_begin(8, 8);
+		uint16_t out = image("out", STILB_GPU_R32_UI, true);
+		stilb_gpu_plan_pass(s.plan, &(stilb_gpu_pass){.name = "paths",
+		                                              .kind = STILB_GPU_PASS_FULLSCREEN,
+		                                              .color = {{.image = out, .load = STILB_GPU_LOAD_DISCARD}},
+		                                              .color_count = 1,
+		                                              .program = program.id});
+		plan_run(NULL, 0, NULL);
+		const uint32_t *texels = read_back(out, 0, 0);
+		for (uint32_t x = 0; x < 64; x++) {
+			uint32_t want = paths(x, kind, bits) + (x > 5 ? 1 : 2);
+			if (texels[x] != want)
+				fail_msg("kind %u, bits %u, x %u: %u, not %u", kind, bits, x, texels[x], want);
+		}
+		stilb_gpu_program_destroy(s.gpu, program);
+		assert_int_equal(s.gpu->validation_messages, 0);
+	}
+}
+
 /* Three runs draw the same square, each with a half of the colour that is its own: the last one is seen. */
 static void runs_have_constants(void **state)
 {
@@ -928,14 +964,15 @@ static void ten_thousand_images(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		STAGE_TEST(four_kinds_of_passes),      STAGE_TEST(uniform_buffers),
-		STAGE_TEST(functions_between_passes),  STAGE_TEST(functions_need_mapped_buffers),
-		STAGE_TEST(three_modes_of_replay),     STAGE_TEST(layers_at_once),
-		STAGE_TEST(passes_fill_areas),         STAGE_TEST(runs_have_constants),
-		STAGE_TEST(uploads_are_flushed),       STAGE_TEST(samples_are_resolved),
-		STAGE_TEST(one_layer_is_resolved),     STAGE_TEST(uploads_in_order),
-		STAGE_TEST(mips_in_linear_light),      STAGE_TEST(textures_of_draws),
-		STAGE_TEST(content_of_the_last_frame), STAGE_TEST(ten_thousand_images),
+		STAGE_TEST(four_kinds_of_passes),     STAGE_TEST(uniform_buffers),
+		STAGE_TEST(functions_between_passes), STAGE_TEST(functions_need_mapped_buffers),
+		STAGE_TEST(three_modes_of_replay),    STAGE_TEST(layers_at_once),
+		STAGE_TEST(passes_fill_areas),        STAGE_TEST(constants_choose_paths),
+		STAGE_TEST(runs_have_constants),      STAGE_TEST(uploads_are_flushed),
+		STAGE_TEST(samples_are_resolved),     STAGE_TEST(one_layer_is_resolved),
+		STAGE_TEST(uploads_in_order),         STAGE_TEST(mips_in_linear_light),
+		STAGE_TEST(textures_of_draws),        STAGE_TEST(content_of_the_last_frame),
+		STAGE_TEST(ten_thousand_images),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 /* Programs: shaders, layouts, and a pipeline for each combination of attachments. */
 #include "gpu/vulkan/gpu_vulkan_internal.h"
+#include "gpu/vulkan/gpu_vulkan_specialize.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,14 +59,21 @@ static VkResult program_layout(gpu_vulkan *gpu, const stilb_gpu_program_desc *de
 	return vkCreatePipelineLayout(gpu->device, &info, gpu->allocator, &program->layout);
 }
 
-static VkResult program_module(gpu_vulkan *gpu, const stilb_gpu_shader *shader, VkShaderModule *module)
+static VkResult program_module(gpu_vulkan *gpu, const stilb_gpu_program_desc *desc, const stilb_gpu_shader *shader,
+                               VkShaderModule *module)
 {
+	if (!shader->words)
+		return VK_SUCCESS;
+	size_t count;
+	uint32_t *words = gpu_vulkan_specialize(shader->words, shader->bytes / sizeof *words, desc, &count);
 	VkShaderModuleCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-		.codeSize = shader->bytes,
-		.pCode = shader->words,
+		.codeSize = words ? count * sizeof *words : shader->bytes,
+		.pCode = words ? words : shader->words,
 	};
-	return shader->words ? vkCreateShaderModule(gpu->device, &info, gpu->allocator, module) : VK_SUCCESS;
+	VkResult result = vkCreateShaderModule(gpu->device, &info, gpu->allocator, module);
+	free(words);
+	return result;
 }
 
 static void program_destroy(gpu_vulkan *gpu, gpu_vulkan_program *program)
@@ -92,10 +100,10 @@ stilb_result gpu_vulkan_program_make(stilb_gpu *base, gpu_program *entry)
 	bool compute = desc->compute.words;
 	VkResult result = program_layout(gpu, desc, program);
 	if (result == VK_SUCCESS)
-		result =
-			program_module(gpu, &entry->code[compute ? GPU_STAGE_COMPUTE : GPU_STAGE_VERTEX], &program->modules[0]);
+		result = program_module(gpu, desc, &entry->code[compute ? GPU_STAGE_COMPUTE : GPU_STAGE_VERTEX],
+		                        &program->modules[0]);
 	if (result == VK_SUCCESS)
-		result = program_module(gpu, &entry->code[GPU_STAGE_FRAGMENT], &program->modules[1]);
+		result = program_module(gpu, desc, &entry->code[GPU_STAGE_FRAGMENT], &program->modules[1]);
 	if (result == VK_SUCCESS) {
 		gpu_vulkan_name(gpu, VK_OBJECT_TYPE_PIPELINE_LAYOUT, (uint64_t)program->layout, entry->name);
 		entry->own = program;
