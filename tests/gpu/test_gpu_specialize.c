@@ -122,12 +122,29 @@ static void behind_what_ends(void **state)
 	free(words);
 }
 
+/* Instructions: an opcode, how many words it has, and its operands. */
+typedef uint32_t instruction[7];
+
+static uint32_t *specialize(const instruction *code, size_t instructions, uint32_t bound, size_t *count)
+{
+	uint32_t words[128] = {0x07230203, 0x00010600, 0, bound, 0};
+	size_t end = 5;
+	for (size_t i = 0; i < instructions; i++) {
+		words[end] = code[i][1] << 16 | code[i][0];
+		for (uint32_t word = 1; word < code[i][1]; word++)
+			words[end + word] = code[i][word + 1];
+		end += code[i][1];
+	}
+	stilb_gpu_program_desc desc = {.constant_count = 1, .constants = {{1, 1}}};
+	return gpu_vulkan_specialize(words, end, &desc, count);
+}
+
 /* if (constant) { if (other) goto end; } else {} end: with `leaves` the inner branch leaves both, which structured
  * control flow allows to nothing but a switch and a loop: the outer one has to stay. */
 static uint32_t *nested(bool leaves, size_t *count)
 {
 	enum { BOOL = 1, CONSTANT, OTHER, FUNCTION, ENTRY, ONE_SIDE, OTHER_SIDE, INNER, END, GONE, BOUND };
-	const uint32_t code[][5] = {
+	const instruction code[] = {
 		{71, 4, CONSTANT, 1, 1},    /* OpDecorate SpecId 1 */
 		{71, 3, GONE, 42},          /* OpDecorate NoContraction */
 		{20, 2, BOOL},              /* OpTypeBool */
@@ -149,20 +166,48 @@ static uint32_t *nested(bool leaves, size_t *count)
 		{253, 1}, /* OpReturn */
 		{56, 1},  /* OpFunctionEnd */
 	};
-	uint32_t words[128] = {0x07230203, 0x00010600, 0, BOUND, 0};
-	size_t end = 5;
-	for (size_t i = 0; i < sizeof code / sizeof *code; i++) {
-		words[end] = code[i][1] << 16 | code[i][0];
-		memcpy(&words[end + 1], &code[i][2], (code[i][1] - 1 < 3 ? code[i][1] - 1 : 3) * sizeof *words);
-		end += code[i][1];
-	}
-	stilb_gpu_program_desc desc = {.constant_count = 1, .constants = {{1, 1}}};
-	uint32_t *left = gpu_vulkan_specialize(words, end, &desc, count);
+	uint32_t *left = specialize(code, sizeof code / sizeof *code, BOUND, count);
 	for (size_t at = 5; left && at < *count; at += left[at] >> 16) {
 		assert_false((left[at] & 0xffff) == LABEL && left[at + 1] == OTHER_SIDE);
 		assert_false((left[at] & 0xffff) == 71 && left[at + 1] == GONE);
 	}
 	return left;
+}
+
+/* The literals of a switch on an integer of 64 bits have two words each: this one's upper half is the number of a
+ * block. Such a module stays as it is; with 32 bits the side that is not taken goes. */
+static void wide_switches(void **state)
+{
+	(void)state;
+	enum { BOOL = 1, TRUE, INT, VALUE, FUNCTION, ENTRY, SIDE, CHOICE, CASE, END, BOUND };
+	for (uint32_t wide = 0; wide < 2; wide++) {
+		const instruction code[] = {
+			{20, 2, BOOL},
+			{41, 3, BOOL, TRUE},
+			{21, 4, INT, wide ? 64 : 32, 0},
+			{54, 5, INT, FUNCTION, 0},
+			{LABEL, 2, ENTRY},
+			{1, 3, INT, VALUE},
+			{SELECTION_MERGE, 3, CHOICE},
+			{BRANCH_CONDITIONAL, 4, TRUE, CHOICE, SIDE},
+			{LABEL, 2, SIDE},
+			{BRANCH, 2, CHOICE},
+			{LABEL, 2, CHOICE},
+			{SELECTION_MERGE, 3, END},
+			{SWITCH, wide ? 6 : 5, VALUE, END, 7, wide ? END : CASE, CASE},
+			{LABEL, 2, CASE},
+			{BRANCH, 2, END},
+			{LABEL, 2, END},
+			{253, 1},
+			{56, 1},
+		};
+		size_t count = 0;
+		uint32_t *words = specialize(code, sizeof code / sizeof *code, BOUND, &count);
+		assert_int_equal(!words, wide);
+		assert_int_equal(labels_of(words, count, CASE), !wide);
+		assert_int_equal(labels_of(words, count, SIDE), 0);
+		free(words);
+	}
 }
 
 static void selections_that_are_left_from_within(void **state)
@@ -212,7 +257,7 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_is_left_is_whole), cmocka_unit_test(constants_of_the_shader),
 		cmocka_unit_test(behind_what_ends),      cmocka_unit_test(selections_that_are_left_from_within),
-		cmocka_unit_test(broken_modules),
+		cmocka_unit_test(wide_switches),         cmocka_unit_test(broken_modules),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,7 +16,6 @@ enum {
 	OP_NOP = 0,
 	OP_NAME = 5,
 	OP_LINE = 8,
-	OP_CAPABILITY = 17,
 	OP_TYPE_BOOL = 20,
 	OP_TYPE_INT = 21,
 	OP_CONSTANT_TRUE = 41,
@@ -76,7 +75,6 @@ enum {
 	OP_TERMINATE_INVOCATION = 4416,
 	OP_DEMOTE_TO_HELPER_INVOCATION = 5380,
 	OP_DECORATE_STRING = 5632,
-	CAPABILITY_INT64 = 11,
 	DECORATION_SPEC_ID = 1,
 };
 
@@ -85,6 +83,7 @@ typedef enum module_type { MODULE_TYPE_OTHER, MODULE_TYPE_BOOL, MODULE_TYPE_INT 
 typedef struct module_id {
 	uint8_t type; /* module_type, of a type */
 	bool known;   /* a truth value or an integer of 32 bits that is always `value` */
+	bool narrow;  /* an integer of 32 bits */
 	bool given;   /* a specialization constant: the program gives it `value` */
 	bool stays;   /* it is defined in what is written */
 	bool goes;    /* it is defined in a block that is left out */
@@ -117,8 +116,6 @@ typedef struct module {
 	const uint32_t *words;
 	uint32_t count, bound;
 	uint32_t body; /* where the first function begins */
-	bool wide;     /* it may have integers of 64 bits, of which the literals of OpSwitch take two words */
-	bool switches;
 	module_id *ids;
 	module_block *blocks;
 	uint32_t block_count, block_room;
@@ -524,9 +521,6 @@ static bool read_declaration(module *m, uint32_t at, const stilb_gpu_program_des
 	uint32_t op = op_at(m, at), length = length_at(m, at), value;
 	module_id *id = length > 2 && words[2] < m->bound ? &m->ids[words[2]] : NULL;
 	switch (op) {
-	case OP_CAPABILITY:
-		m->wide |= length > 1 && words[1] == CAPABILITY_INT64;
-		return true;
 	case OP_DECORATE:
 		if (length > 3 && words[1] < m->bound && words[2] == DECORATION_SPEC_ID)
 			for (uint32_t c = 0; c < desc->constant_count; c++)
@@ -552,6 +546,7 @@ static bool read_declaration(module *m, uint32_t at, const stilb_gpu_program_des
 			return false;
 		value = op == OP_CONSTANT || op == OP_SPEC_CONSTANT ? words[3]
 		                                                    : op == OP_CONSTANT_TRUE || op == OP_SPEC_CONSTANT_TRUE;
+		id->narrow = m->ids[words[1]].type == MODULE_TYPE_INT;
 		id->known = id->fixed = m->ids[words[1]].type != MODULE_TYPE_OTHER;
 		id->value = id->given ? id->value : value;
 		if (m->ids[words[1]].type == MODULE_TYPE_BOOL)
@@ -609,6 +604,8 @@ static bool read_instruction(module *m, uint32_t at, bool *in_block, bool *entry
 	module_block *block = &m->blocks[m->block_count - 1];
 	if (place > 0 && (length <= place || m->words[at + place] >= m->bound || m->words[at + 1] >= m->bound))
 		return false;
+	if (place == 2)
+		m->ids[m->words[at + 2]].narrow = m->ids[m->words[at + 1]].type == MODULE_TYPE_INT;
 	if (op == OP_PHI)
 		for (uint32_t i = 3; i < length; i++)
 			if (m->words[at + i] >= m->bound)
@@ -620,7 +617,6 @@ static bool read_instruction(module *m, uint32_t at, bool *in_block, bool *entry
 	if (is_end_of_block(op)) {
 		block->last = at;
 		block->end = at + length;
-		m->switches |= op == OP_SWITCH;
 		*in_block = false;
 		return !block->merge || block->merge + length_at(m, block->merge) == at;
 	}
@@ -641,6 +637,9 @@ static bool labels_exist(module *m)
 		uint32_t least = op == OP_SWITCH ? 3 : op == OP_BRANCH_CONDITIONAL ? 4 : op == OP_BRANCH ? 2 : 1;
 		if (length < least ||
 		    ((op == OP_SWITCH || op == OP_BRANCH_CONDITIONAL) && m->words[block->last + 1] >= m->bound))
+			return false;
+		/* Numbers of 64 bits take two words. */
+		if (op == OP_SWITCH && length > 3 && !m->ids[m->words[block->last + 1]].narrow)
 			return false;
 		for (uint32_t i = 0; i < successor_count(m, block); i++)
 			if (!is_label(m, successor(m, block, i)))
@@ -674,7 +673,7 @@ static bool read_module(module *m, const stilb_gpu_program_desc *desc)
 		if (m->body > 0 ? !read_instruction(m, at, &in_block, &entry) : !read_declaration(m, at, desc))
 			return false;
 	}
-	return m->ids && m->body > 0 && !in_block && !(m->wide && m->switches) && labels_exist(m);
+	return m->ids && m->body > 0 && !in_block && labels_exist(m);
 }
 
 typedef struct order_step {
