@@ -148,6 +148,7 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 	if (!last->known || strcmp(last->name, engine->target_names[number]) != 0)
 		last->view_projection = view->view_projection; /* it has not moved so far */
 	view->surfaces = engine_draws_surfaces(engine);
+	view->ids = engine_draws_ids(engine);
 	view->last = engine_draws_velocity(engine) ? &last->view_projection : NULL;
 }
 

@@ -321,16 +321,21 @@ struct stilb_engine {
 /* Forgets what the index of stilb_engine_pick knows of meshes that have changed. */
 void engine_pick_forget(const stilb_engine *engine, const stilb_scene_changes *changes);
 
-/* True if frames draw normals and models of surfaces, or velocities. */
+/* True if frames draw normals and models of surfaces; models at least; velocities. */
 static inline bool engine_draws_surfaces(const stilb_engine *engine)
 {
-	return engine->desc.surfaces || engine->shows_surfaces || engine->desc.post.aa == STILB_POST_AA_TEMPORAL;
+	return engine->desc.surfaces || engine->shows_surfaces;
+}
+
+static inline bool engine_draws_ids(const stilb_engine *engine)
+{
+	return engine_draws_surfaces(engine) || engine->desc.post.aa == STILB_POST_AA_TEMPORAL;
 }
 
 static inline bool engine_draws_velocity(const stilb_engine *engine)
 {
 	return engine->desc.velocity || engine->shows_velocity || engine->desc.post.motion_blur > 0.0f ||
-	       engine_draws_surfaces(engine);
+	       engine_draws_ids(engine);
 }
 
 /* engine_cameras.c */

@@ -105,6 +105,7 @@ static stilb_result prepare_start(stilb_engine *engine, const stilb_scene *scene
 		lights[i] = view->lights[i]; /* the program may change its own meanwhile */
 	prepare->view.lights = prepare->lights = lights;
 	prepare->view.surfaces = engine_draws_surfaces(engine);
+	prepare->view.ids = engine_draws_ids(engine);
 	if (engine_draws_velocity(engine))
 		prepare->view.last = &prepare->view.view_projection; /* it is not read */
 	if (engine->desc.shadows.kind != STILB_ENGINE_SHADOWS_OFF && view->light_count > 0)
@@ -193,7 +194,7 @@ void engine_reference_view(stilb_render_view *view)
 	view->lighting = few ? STILB_RENDER_LIGHTING_FORWARD : STILB_RENDER_LIGHTING_CLUSTERED;
 	view->light_lists = STILB_RENDER_LIGHT_LISTS_JOBS;
 	view->light_tolerance = 0.0f;
-	view->ambient_apart = view->mirrors = view->surfaces = view->shadow_reading.buffer = false;
+	view->ambient_apart = view->mirrors = view->surfaces = view->ids = view->shadow_reading.buffer = false;
 	view->last = NULL;
 	view->show = STILB_RENDER_SHOW_SHADED;
 }

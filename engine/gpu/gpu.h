@@ -48,6 +48,7 @@ typedef struct stilb_gpu_limits {
 	bool indirect_count; /* the number of indirect draws may come from a buffer */
 	bool lines;          /* programs may draw the edges of triangles alone */
 	bool counts;         /* programs may have a stencil, and images the format D32_F_S8 */
+	bool some_colors;    /* programs may leave some colour attachments as they are */
 } stilb_gpu_limits;
 
 const stilb_gpu_limits *stilb_gpu_limits_get(const stilb_gpu *gpu);
@@ -240,6 +241,8 @@ typedef struct stilb_gpu_program_desc {
 	bool cull_back; /* triangles that are clockwise in the picture */
 	bool lines;     /* of triangles the edges alone, a pixel wide; needs stilb_gpu_limits.lines */
 	uint8_t blend;  /* stilb_gpu_blend, of every colour attachment */
+	uint8_t colors; /* so many attachments, the first ones, it draws into, and leaves the others as they are; 0: into
+	                   all. Needs stilb_gpu_limits.some_colors */
 	bool alpha_to_coverage;
 	float depth_bias, depth_bias_slope;
 	uint16_t vertex_bytes; /* stride; 0: no vertex buffer */

@@ -266,6 +266,8 @@ stilb_result gpu_check_program(const stilb_gpu *gpu, const stilb_gpu_program_des
 	    (desc->stencil == STILB_GPU_STENCIL_COUNT && (desc->depth == STILB_GPU_COMPARE_NONE || desc->depth_write)))
 		return FAIL("program '%s': stencil %u: there are 0..2, of which 1 has a depth test and writes no depth", name,
 		            desc->stencil);
+	if (desc->colors > 0 && !gpu->limits.some_colors)
+		return FAIL("program '%s' leaves attachments as they are, which GPU '%s' cannot", name, gpu->name);
 	if (desc->stencil != STILB_GPU_STENCIL_NONE && !gpu->limits.counts)
 		return FAIL("program '%s': '%s' draws nothing beyond the far end (depthClamp); choose another GPU", name,
 		            gpu->name);

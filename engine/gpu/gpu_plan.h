@@ -119,11 +119,13 @@ typedef enum stilb_gpu_load {
 	/* The texels of the pass's area become `clear` first; the others stay and count. Other attachments of the pass are
 	 * cleared in the area alone, too. */
 	STILB_GPU_LOAD_CLEAR_AREA,
+	/* Of colours: there is no image here, and what programs draw at this place is dropped. */
+	STILB_GPU_LOAD_NONE,
 } stilb_gpu_load;
 
 /* What a pass draws into: one mip and layer of an image, or several layers of it at once. */
 typedef struct stilb_gpu_attachment {
-	uint16_t image;   /* 0: there is none */
+	uint16_t image;   /* 0: there is none; of colours with STILB_GPU_LOAD_NONE alone */
 	uint16_t resolve; /* 0, or an image with one sample that gets the mean of the samples: mip 0, layer 0, not depth */
 	uint16_t layer;
 	uint16_t layers; /* 0: 1; more: the vertex shader chooses by gl_Layer */

@@ -39,6 +39,8 @@ static uint64_t add_resource(uint64_t hash, const stilb_gpu_plan *plan, uint16_t
 
 static uint64_t add_attachment(uint64_t hash, const stilb_gpu_plan *plan, const stilb_gpu_attachment *attachment)
 {
+	if (attachment->image == 0)
+		return add(hash, attachment->load);
 	hash = add_resource(hash, plan, attachment->image);
 	if (attachment->resolve != 0)
 		hash = add_resource(hash, plan, attachment->resolve);

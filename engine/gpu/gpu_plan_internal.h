@@ -263,6 +263,12 @@ static inline bool gpu_pass_has_area(const stilb_gpu_pass *pass)
 	return (pass->area[2] | pass->area[3]) > 0;
 }
 
+/* What programs draw at its place is dropped. */
+static inline bool gpu_attachment_is_none(const stilb_gpu_attachment *color)
+{
+	return color->image == 0 && color->load == STILB_GPU_LOAD_NONE;
+}
+
 /* Texels of a mip along a side. */
 static inline uint32_t gpu_mip_side(uint32_t side, uint32_t mip)
 {

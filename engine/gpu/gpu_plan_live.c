@@ -413,7 +413,10 @@ static void step_touch(const stilb_gpu_plan *plan, uint32_t step, const gpu_touc
 /* Size and samples of what a pass draws into. */
 static void step_area(const stilb_gpu_plan *plan, const stilb_gpu_pass *pass, stilb_gpu_step *step)
 {
-	const stilb_gpu_attachment *attachment = pass->color_count > 0 ? &pass->color[0] : &pass->depth;
+	uint32_t first = 0;
+	while (first < pass->color_count && gpu_attachment_is_none(&pass->color[first]))
+		first++;
+	const stilb_gpu_attachment *attachment = first < pass->color_count ? &pass->color[first] : &pass->depth;
 	if (attachment->image == 0)
 		return;
 	const stilb_gpu_extent *extent = &gpu_plan_resource(plan, attachment->image)->extent;

@@ -128,7 +128,9 @@ static stilb_result check_kind(const checked *c)
 {
 	const stilb_gpu_pass *pass = c->pass;
 	const char *kind = kind_names[pass->kind];
-	bool attached = pass->color_count > 0 || pass->depth.image != 0;
+	bool attached = pass->depth.image != 0;
+	for (uint32_t i = 0; i < pass->color_count; i++)
+		attached |= !gpu_attachment_is_none(&pass->color[i]);
 	if (draws(pass) && !attached)
 		return wrong(c, "draws into nothing: give it a colour or depth attachment, or make it a dispatch");
 	if (!draws(pass) && attached)
@@ -269,6 +271,8 @@ static stilb_result check_colors(checked *c)
 {
 	for (uint32_t i = 0; i < c->pass->color_count; i++) {
 		const stilb_gpu_attachment *color = &c->pass->color[i];
+		if (gpu_attachment_is_none(color))
+			continue;
 		const gpu_resource *resource = find_image(c, color->image, "colour attachment");
 		if (!resource)
 			return STILB_ERROR_ARGUMENT;

@@ -153,6 +153,9 @@ extern const stilb_gpu_shader post_shader_lens_blur, post_shader_lens_lerp;
 stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, post_program number,
                               stilb_gpu_program *program);
 
+/* The depth by which the image of velocities was decided; 0: there is none. */
+uint16_t post_velocity_depth(const stilb_gpu_plan *plan);
+
 /* Adds occlusion's rows, and puts the image with it in the place of *ambient. */
 stilb_result post_occlusion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *ambient, uint16_t depth);
 

@@ -61,7 +61,7 @@ stilb_result post_motion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *l
 	stilb_gpu_extent extent = *stilb_gpu_plan_extent(plan, *light);
 	uint32_t width = extent.width, height = extent.height;
 	uint16_t velocity = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_VELOCITY);
-	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_VELOCITY_DEPTH);
+	uint16_t depth = post_velocity_depth(plan);
 	if (velocity == 0 || depth == 0 || extent.format != STILB_GPU_RGBA16_F)
 		return STILB_OK;
 	float longest = fmaxf(0.5f * post->settings.motion_blur_most * (float)height, 1.0f);

@@ -61,7 +61,7 @@ stilb_result post_temporal_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t 
 {
 	stilb_gpu_extent extent = *stilb_gpu_plan_extent(plan, *light);
 	uint16_t velocity = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_VELOCITY);
-	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_VELOCITY_DEPTH);
+	uint16_t depth = post_velocity_depth(plan);
 	uint16_t id = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_ID);
 	if (velocity == 0 || depth == 0 || id == 0 || extent.format != STILB_GPU_RGBA16_F)
 		return STILB_OK;

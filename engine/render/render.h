@@ -698,6 +698,7 @@ typedef struct stilb_render_view {
 	 * such image. Read during recording and replay. */
 	const stilb_mat4 *last;
 	bool surfaces; /* besides `last`: those passes draw "surface normal" and "id", too (render_images.h) */
+	bool ids;      /* likewise "id" alone, which costs less */
 	/* The surroundings' light on what is opaque, and has neither layers nor a function of the program's, is drawn apart
 	 * from all other: "ambient" and "reflection" (render_images.h). Then it is added, which rounds to half floats three
 	 * times more; before what else there is. Of one sample a pixel alone: else they are not drawn. */
@@ -754,8 +755,8 @@ float stilb_render_light_peak(const stilb_scene *scene, const stilb_render_shadi
  * been set or prepared, unless it is there; frames go on meanwhile, and one that needs what is being compiled waits for
  * it. Read are the lights' number, kinds and falloffs, whether there are shadows, shadow_reading, lighting,
  * light_tolerance, light_fade, ambient, ambient_apart, surroundings, backdrop's kind, sides, shading, detail,
- * impostors, tone, show, whether it is a shadow's, and how, the target's kind, surfaces, and whether there is a
- * `last`. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
+ * impostors, tone, show, whether it is a shadow's, and how, the target's kind, surfaces, ids, mirrors, and whether there
+ * is a `last`. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);
 
 typedef enum stilb_render_pass_kind {

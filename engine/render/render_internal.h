@@ -93,8 +93,7 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_LIGHTS_PANORAMA 256u      /* the panorama's light in place of sky and ground */
 #define RENDER_LIGHTS_SIDES 512u         /* no light, but stilb_render_view.both_sides */
 #define RENDER_LIGHTS_ONE 1024u          /* there is exactly one */
-#define RENDER_LIGHTS_DEPTH 2048u        /* nothing is lit: depth alone is drawn. Besides it, _SIDES and _VELOCITY */
-#define RENDER_LIGHTS_VELOCITY 4096u     /* besides _DEPTH: velocities are drawn, too (shaders/velocity.glsl) */
+#define RENDER_LIGHTS_DEPTH 2048u        /* nothing is lit: depth is drawn, and what is beside it. Besides it, _SIDES */
 #define RENDER_LIGHTS_LISTS 8192u        /* lights that end somewhere are found by lists (render_lights.c) */
 #define RENDER_LIGHTS_GBUFFER 16384u     /* surfaces are drawn, and lights left to a later pass (render_deferred.c) */
 #define RENDER_LIGHTS_GBUFFER8 32768u    /* besides _GBUFFER, and of the passes that light: surfaces are in 8 bits */
@@ -115,11 +114,7 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 /* Four bits from this one on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
 #define RENDER_LIGHTS_CHANNEL_SHIFT 25u
 #define RENDER_LIGHTS_CHANNEL 15u        /* so many, once shifted */
-#define RENDER_LIGHTS_SEEN (1u << 29)    /* besides _VELOCITY: normals and ids are drawn, too (velocity.glsl) */
 #define RENDER_LIGHTS_SHADOWS (1u << 30) /* maps keep some from surfaces; besides _DEPTH: such a map is drawn */
-/* What the surroundings light is drawn apart, evenly and mirrored (render_around.c). Besides it, _SIDES, and what says
- * how they light. */
-#define RENDER_LIGHTS_AROUND (1u << 31)
 
 /* 1 + the stilb_scene_surface_channel that programs for these bits show; 0: light. */
 static inline uint32_t render_lights_channel(uint32_t bits)
@@ -449,6 +444,7 @@ typedef struct render_stream {
 	uint32_t kinds;          /* 1 << render_state_detail of the runs, and of those that passes like it will soon have */
 	render_view_lights lights;       /* the view's */
 	const render_light *written;     /* [lights.count] these, in the frame's memory */
+	uint32_t beside;                 /* RENDER_BESIDE_... of rows that draw surfaces */
 	const render_panorama *panorama; /* of the view; NULL: sky and ground */
 } render_stream;
 
@@ -767,11 +763,10 @@ stilb_result render_combined_place(stilb_render *render, const stilb_render_view
                                    render_combined_pass *pass, render_view_lights *lights, stilb_job_pool *pool,
                                    uint32_t worker);
 
-/* As render_light_bits, of what draws the view's velocities. */
+/* As render_light_bits, of rows that draw the view's velocities alone. */
 static inline uint32_t render_velocity_bits(const stilb_render_view *view)
 {
-	return RENDER_LIGHTS_DEPTH | RENDER_LIGHTS_VELOCITY | (view->surfaces ? RENDER_LIGHTS_SEEN : 0) |
-	       (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
+	return RENDER_LIGHTS_DEPTH | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
 }
 
 /* A draw that blends. */

@@ -216,8 +216,8 @@ stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_
 		if (!known)
 			result = render_device_prepare(render->device, view, made[lamps], &maps);
 	}
-	if (result == STILB_OK && view->last && !render_view_is_depth(view))
-		result = render_device_prepare(render->device, view, render_velocity_bits(view), &maps);
+	if (result == STILB_OK)
+		result = render_device_prepare_seen(render->device, view, &maps);
 	free(maps.bits);
 	return result;
 }

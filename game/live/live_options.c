@@ -133,7 +133,7 @@ static void live_add_output(live_options *o, flag_rows *table)
 
 /* Those of the device's images that are drawn only if asked for (render_images.h). */
 static const char *const live_images[][2] = {
-	{"velocity", "pixels to where what is seen was in the frame before; likewise \"velocity depth\""},
+	{"velocity", "pixels to where what is seen was in the frame before"},
 	{"surface normal", "the normal that is shaded with, on the octahedral map"},
 	{"id", "which model is seen"},
 	{"ambient", "the surroundings' light that surfaces scatter, apart from all other"},

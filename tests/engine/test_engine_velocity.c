@@ -418,7 +418,8 @@ static void stage_compare_surfaces(stage *s)
 	static float depths[HEIGHT][WIDTH];
 	stage_copy(s, STILB_RENDER_IMAGE_SURFACE_NORMAL, sizeof normals, normals);
 	stage_copy(s, STILB_RENDER_IMAGE_ID, sizeof ids, ids);
-	stage_copy(s, STILB_RENDER_IMAGE_VELOCITY_DEPTH, sizeof depths, depths);
+	bool own = stilb_gpu_plan_find(stilb_engine_plan(s->engine), STILB_RENDER_IMAGE_VELOCITY_DEPTH) != 0;
+	stage_copy(s, own ? STILB_RENDER_IMAGE_VELOCITY_DEPTH : STILB_RENDER_IMAGE_DEPTH, sizeof depths, depths);
 	for (uint32_t y = 0; y < HEIGHT; y++)
 		for (uint32_t x = 0; x < WIDTH; x++) {
 			const truth *t = &found[y][x];

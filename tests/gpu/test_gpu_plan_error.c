@@ -309,6 +309,9 @@ static void test_attachments(void **state)
 	stilb_gpu_pass pass = good;
 	pass.color[0].image = 0;
 	expect_pass(pass, "pass 1 'p' has a colour attachment without an image");
+	pass.color[0].load = STILB_GPU_LOAD_NONE;
+	expect_pass(pass, "pass 1 'p' draws into nothing: give it a colour or depth attachment, or make it a dispatch");
+	pass.color[0].load = STILB_GPU_LOAD_CLEAR;
 	pass.color[0].image = 4;
 	expect_pass(pass, "pass 1 'p' has resource 4 as colour attachment, and the plan has 3: numbers are those of this "
 	                  "frame's rows");

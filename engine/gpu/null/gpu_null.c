@@ -383,6 +383,7 @@ static const stilb_gpu_limits null_limits = {
 	.indirect_count = true,
 	.lines = true,
 	.counts = true,
+	.some_colors = true,
 };
 
 static uint32_t null_format(const stilb_gpu_format_info *format)

@@ -56,6 +56,7 @@ static VkResult device_make(gpu_vulkan *gpu)
 	gpu->anisotropic = can.features.samplerAnisotropy;
 	gpu->lines = can.features.fillModeNonSolid;
 	gpu->counts = can.features.depthClamp;
+	gpu->some_colors = can.features.independentBlend;
 	VkPhysicalDeviceVulkan13Features v13 = {
 		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
 		.dynamicRendering = VK_TRUE,

@@ -75,6 +75,14 @@ static stilb_result fail_no_driver(const char *call, VkResult error)
 
 /* ---- instance ---------------------------------------------------------------------------------------------------- */
 
+/* The layer (1.3.239) takes it for a mistake that a shader writes where a pass has no image, whose format is undefined.
+ * Such writes are dropped: Vulkan 1.3, "Fragment Output Interface", of attachments whose view is VK_NULL_HANDLE. */
+static bool message_is_of_none(const VkDebugUtilsMessengerCallbackDataEXT *data)
+{
+	return data->pMessageIdName && strstr(data->pMessageIdName, "Shader-InterfaceTypeMismatch") &&
+	       strstr(data->pMessage, "VK_FORMAT_UNDEFINED");
+}
+
 /* The layer calls this on the thread that made the faulty call, any thread: so the counter is atomic. */
 static VKAPI_ATTR VkBool32 VKAPI_CALL message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                               VkDebugUtilsMessageTypeFlagsEXT type,
@@ -83,6 +91,8 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL message(VkDebugUtilsMessageSeverityFlagBit
 	(void)severity, (void)type;
 	STILB_ASSERT(user && data);
 	gpu_vulkan *gpu = user;
+	if (message_is_of_none(data))
+		return VK_FALSE;
 	__atomic_fetch_add(&gpu->base.validation_messages, 1, __ATOMIC_RELAXED); /* relaxed: only the number matters */
 	stilb_log("validation: %s", data->pMessage);
 	return VK_FALSE;

@@ -186,6 +186,7 @@ typedef struct gpu_vulkan {
 	bool anisotropic;        /* samplers can be */
 	bool lines;              /* of triangles the edges alone can be drawn */
 	bool counts;             /* depthClamp */
+	bool some_colors;        /* independentBlend */
 	bool calibrates;         /* VK_EXT_calibrated_timestamps is enabled */
 	gpu_vulkan_times times;
 

@@ -211,6 +211,9 @@ static VkClearColorValue clear_of(const stilb_gpu_attachment *a, stilb_gpu_forma
 static VkResult attachment_color(pass_work *work, const stilb_gpu_attachment *a, VkRenderingAttachmentInfo *out)
 {
 	gpu_vulkan *gpu = work->gpu;
+	*out = (VkRenderingAttachmentInfo){.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+	if (gpu_attachment_is_none(a))
+		return VK_SUCCESS;
 	stilb_gpu_format_kind kind = stilb_gpu_format_describe(extent_of(work, a->image)->format)->kind;
 	VkImageView resolve = VK_NULL_HANDLE;
 	if (a->resolve) {
@@ -683,7 +686,9 @@ stilb_result gpu_vulkan_plan_pass(gpu_vulkan *gpu, const stilb_gpu_plan *plan, c
 	work.variant.color_count = pass->color_count;
 	work.variant.samples = step->samples > 0 ? step->samples : 1;
 	for (uint32_t c = 0; c < pass->color_count; c++)
-		work.variant.colors[c] = gpu->targets[pass->color[c].image].texels->format;
+		work.variant.colors[c] = gpu_attachment_is_none(&pass->color[c])
+		                             ? VK_FORMAT_UNDEFINED
+		                             : gpu->targets[pass->color[c].image].texels->format;
 	if (pass->depth.image)
 		work.variant.depth = gpu->targets[pass->depth.image].texels->format;
 	pass_constants(&work);

@@ -162,9 +162,12 @@ static VkPipelineShaderStageCreateInfo stage_of(VkShaderStageFlagBits stage, VkS
 	};
 }
 
-static VkPipelineColorBlendAttachmentState blend_of(const stilb_gpu_program_desc *desc)
+/* Of colour attachment number `color`. */
+static VkPipelineColorBlendAttachmentState blend_of(const stilb_gpu_program_desc *desc, uint32_t color)
 {
 	uint8_t blend = desc->blend;
+	if (desc->colors > 0 && color >= desc->colors)
+		return (VkPipelineColorBlendAttachmentState){0}; /* it stays as it is */
 	VkBlendFactor target = blend == STILB_GPU_BLEND_ADD ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
 	return (VkPipelineColorBlendAttachmentState){
 		.blendEnable = blend != STILB_GPU_BLEND_NONE,
@@ -275,7 +278,7 @@ static VkResult pipeline_graphics(gpu_vulkan *gpu, const program_wanted *wanted,
 	VkPipelineDepthStencilStateCreateInfo depth = depth_of(desc);
 	VkPipelineColorBlendAttachmentState blends[STILB_GPU_MAX_COLORS];
 	for (uint32_t c = 0; c < variant->color_count; c++)
-		blends[c] = blend_of(desc);
+		blends[c] = blend_of(desc, c);
 	VkPipelineColorBlendStateCreateInfo blend = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
 		.attachmentCount = variant->color_count,

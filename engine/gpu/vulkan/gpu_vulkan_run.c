@@ -106,8 +106,8 @@ static stilb_result run_step(gpu_vulkan *gpu, const stilb_gpu_plan *plan, uint32
 	bool host = pass->kind == STILB_GPU_PASS_HOST;
 	if (host && gpu->label_end) /* labels end in the command buffer in which they begin */
 		gpu->label_end(slot->draw);
-	stilb_result result = host ? gpu_vulkan_slot_split(gpu, pass, site)
-	                           : gpu_vulkan_plan_pass(gpu, plan, step, lists, threads);
+	stilb_result result =
+		host ? gpu_vulkan_slot_split(gpu, pass, site) : gpu_vulkan_plan_pass(gpu, plan, step, lists, threads);
 	stilb_prof_zone_end();
 	gpu_vulkan_times_pass_end(gpu);
 	if (!host && gpu->label_end)
@@ -211,6 +211,7 @@ static void run_limits(gpu_vulkan *gpu)
 		.timestamps = gpu->timestamp_mask != 0,
 		.bc = gpu->base.formats[STILB_GPU_BC7_U] != 0,
 		.lines = gpu->lines,
+		.some_colors = gpu->some_colors,
 		.counts = gpu->counts && (gpu->base.formats[STILB_GPU_D32_F_S8] & STILB_GPU_EXTENT_ATTACHMENT) != 0,
 	};
 	VkPhysicalDeviceMaintenance4Properties largest = {.sType =

@@ -170,8 +170,7 @@ extern const stilb_gpu_shader render_terms_mesh_fragment[RENDER_SURFACES], rende
 extern const stilb_gpu_shader render_images_mesh_fragment[2][RENDER_SURFACES], render_images_maps_fragment[2][2];
 /* By render_cells. */
 extern const stilb_gpu_shader render_cells_compute[];
-/* What surfaces send on of the surroundings' light, as _gbuffer_...; and that added to the rest. */
-extern const stilb_gpu_shader render_around_mesh_fragment[2][RENDER_SURFACES], render_around_maps_fragment[2][2];
+/* The surroundings' light added to all other. */
 extern const stilb_gpu_shader render_around_fragment;
 /* How far two images are apart. */
 extern const stilb_gpu_shader render_difference_fragment;
@@ -200,8 +199,31 @@ typedef enum render_formula {
 	RENDER_FORMULA_F,
 	RENDER_FORMULA_LIGHTS,  /* render_view_lights.bits */
 	RENDER_FORMULA_SHADOWS, /* RENDER_SHADOW_...; in shaders number 11 */
+	RENDER_FORMULA_BESIDE,  /* RENDER_BESIDE_...; in shaders number 12 */
 	RENDER_FORMULAS,
 } render_formula;
+
+/* What programs draw beside the picture, each into images of its own (render_beside.c); beside depth the first three
+ * and no picture (shaders/velocity/beside.glsl). */
+#define RENDER_BESIDE_VELOCITY 1u
+#define RENDER_BESIDE_ID 2u
+#define RENDER_BESIDE_NORMAL 4u
+#define RENDER_BESIDE_SEEN 7u   /* all three */
+#define RENDER_BESIDE_AROUND 8u /* what surfaces send on of the surroundings' light, which is not in the picture then */
+#define RENDER_BESIDE_MIRROR 16u /* besides it: how they mirror it */
+#define RENDER_BESIDE_ALONE 32u  /* besides it: and no picture */
+
+/* Those images, in the order of their places. */
+typedef enum render_beside {
+	RENDER_BESIDE_IMAGE_VELOCITY,
+	RENDER_BESIDE_IMAGE_ID,
+	RENDER_BESIDE_IMAGE_NORMAL,
+	RENDER_BESIDE_IMAGE_AMBIENT,
+	RENDER_BESIDE_IMAGE_REFLECTION,
+	RENDER_BESIDE_IMAGE_MIRROR,
+	RENDER_BESIDE_IMAGE_MIRROR_NORMAL,
+	RENDER_BESIDE_IMAGES,
+} render_beside;
 
 #define RENDER_PROGRAM_KINDS 4u /* RENDER_DETAIL_KINDS */
 
@@ -250,7 +272,7 @@ typedef struct render_formula_programs {
 /* True if they draw depth alone, or velocities with it. */
 bool render_formulas_are_depth(const render_formula_programs *programs);
 bool render_formulas_are_velocity(const render_formula_programs *programs);
-/* True if they draw normals and ids with velocities. */
+/* True if they draw models with velocities. */
 bool render_formulas_are_seen(const render_formula_programs *programs);
 /* True if they draw surfaces whose lights come later. */
 bool render_formulas_are_gbuffer(const render_formula_programs *programs);
@@ -349,8 +371,8 @@ typedef struct render_frame_target {
 	bool main;                      /* these are the main images */
 	uint16_t color, samples, depth; /* resources of the plan; 0: it has none. samples: with several a pixel */
 	uint16_t behind;                /* as of render_through.c; 0: no pass has needed it so far */
-	uint16_t velocity, velocity_depth;        /* of one sample a pixel; 0: no view has asked for them so far */
-	uint16_t normal, id;                      /* likewise */
+	uint16_t beside[RENDER_BESIDE_IMAGES];    /* of one sample a pixel; 0: no view has asked for them so far */
+	uint16_t velocity_depth;                  /* of rows that draw velocities alone; 0: there are none */
 	uint16_t surfaces[RENDER_GBUFFER_IMAGES]; /* in the order of gbuffer.glsl; 0: as those */
 	uint16_t terms;                           /* the buffer of shadows; 0: as those */
 	uint16_t apart[RENDER_APART_IMAGES]; /* the light of PREPASS, or that of PRELIGHT and its highlights; 0: as those */
@@ -428,6 +450,7 @@ typedef struct render_device {
 	uint32_t pairs[STILB_RENDER_MAX_PASSES]; /* of each pass's lists, as is known last; UINT32_MAX: nothing */
 	uint32_t rooms[STILB_RENDER_MAX_PASSES]; /* of those by compute */
 	uint32_t most_room;                      /* UINT32_MAX; tests change it */
+	bool own_rows;                           /* nothing is drawn beside the picture; likewise */
 
 	render_frame frame;
 	render_list lists[RENDER_MAX_LISTS];
@@ -520,6 +543,10 @@ void render_programs_destroy(render_device *device);
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t shadow_bits, uint32_t kinds, uint32_t surfaces,
                                     render_formula_programs **chosen);
+/* Likewise, of programs that also draw what is `beside`. */
+stilb_result render_programs_choose_beside(render_device *device, const stilb_render_shading *wanted,
+                                           uint32_t light_bits, uint32_t shadow_bits, uint32_t beside, uint32_t kinds,
+                                           uint32_t surfaces, render_formula_programs **chosen);
 /* Makes choice->deferred, unless it is there; and, if asked for, choice->volumes and what that needs. All are compiled.
  * [any-thread] */
 stilb_result render_programs_deferred(render_device *device, render_formula_programs *choice, bool volumes);
@@ -561,6 +588,9 @@ typedef struct render_known_maps {
 /* Makes the programs that draws of a scene pass with this view and light_bits need. [any-thread] */
 stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits,
                                    const render_known_maps *maps);
+/* Makes what draws velocities and what else is seen, but for programs of light that do so. Likewise */
+stilb_result render_device_prepare_seen(render_device *device, const stilb_render_view *view,
+                                        const render_known_maps *maps);
 
 /* ---- render_frame.c: the plan ------------------------------------------------------------------------------------ */
 
@@ -584,17 +614,31 @@ stilb_result render_through_use(render_device *device, const render_frame_target
  * address of its render_view_data. */
 stilb_result render_velocity_begin(render_device *device, const struct render_stream *stream, uint64_t view,
                                    render_frame_target *target);
-/* Adds to a row the images that the view's passes leave: of velocities and depth, and with stilb_render_view.surfaces
- * of normals and ids. begun: passes before have drawn into the first two. */
-void render_velocity_attach(render_device *device, const struct render_stream *stream, bool begun,
-                            render_frame_target *target, stilb_gpu_pass *row);
+/* The depth of a row that draws velocities alone. */
+stilb_gpu_attachment render_velocity_depth(render_device *device, const stilb_render_view *view,
+                                           render_frame_target *target);
+
+/* ---- render_beside.c: what is drawn beside the picture ------------------------------------------------------------ */
+
+/* RENDER_BESIDE_... of what a view's passes draw: of what is seen, 0: nothing; of the surroundings' light; and of both
+ * what rows that draw surfaces draw. What is not among it has rows of its own: of several samples a pixel; of channels
+ * and counts in the place of light; of DEFERRED and TILED_DEFERRED normals and mirrors, for which their rows have no room;
+ * and on devices that draw into fewer than eight images at once. */
+uint32_t render_seen_bits(const stilb_render_view *view);
+uint32_t render_around_beside_bits(const render_device *device, const stilb_render_view *view);
+uint32_t render_beside_bits(const render_device *device, const stilb_render_view *view);
+/* Adds the formats of what the choice's programs draw beside to those of `count` images; returns how many there are. */
+uint32_t render_beside_formats(const render_formula_programs *choice, stilb_gpu_format formats[STILB_GPU_MAX_COLORS],
+                               uint32_t count);
+/* The target's image, made when it is first asked for. */
+uint16_t render_beside_image(render_device *device, render_frame_target *target, render_beside image);
+/* Adds to a row what the choice's programs draw beside. */
+void render_beside_attach(render_device *device, const render_formula_programs *choice, render_frame_target *target,
+                          stilb_gpu_pass *row);
 
 /* ---- render_around.c: the surroundings' light apart from all other ----------------------------------------------- */
 
-/* Adds to the row that draws it the two images of that light, and its depth. */
-void render_around_attach(render_device *device, const stilb_render_view *view, render_frame_target *target,
-                          stilb_gpu_pass *row);
-/* Adds the row that adds these two, or what has taken their place, to the target's radiance. */
+/* Adds the row that adds both images of it, or what has taken their place, to the target's radiance. */
 stilb_result render_around_add(render_device *device, const render_frame_target *target, const uint16_t images[2]);
 
 /* ---- render_target.c: what scene passes draw into ---------------------------------------------------------------- */

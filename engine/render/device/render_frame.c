@@ -312,7 +312,7 @@ static stilb_result frame_list(render_device *device, const render_stream *strea
 	                    .list = list,
 	                    .choice = choice,
 	                    .depth = stream->lights.bits & RENDER_LIGHTS_DEPTH,
-	                    .seen = stream->lights.bits & RENDER_LIGHTS_SEEN,
+	                    .seen = choice && render_formulas_are_seen(choice),
 	                    .draws = draws};
 	bool bind = choice && !maker.depth && device->materials == STILB_RENDER_MATERIALS_BIND;
 	uint64_t materials = device->heaps[RENDER_HEAP_MATERIALS].address;
@@ -595,6 +595,7 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 			continue;
 		stilb_gpu_pass row = frame_row(device, stream, list, "");
 		frame_attach(stream, target, backdrop, &row);
+		render_beside_attach(device, choice, target, &row);
 		result = frame_images(device, stream, target, choice, &row);
 		if (through && result == STILB_OK)
 			result = render_through_use(device, target, row.use_count, &row.uses[row.use_count]);
@@ -607,25 +608,24 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 	return result;
 }
 
-/* Adds the row of a scene pass that draws velocities, and what else it leaves of what is seen. */
+/* Adds the row of a scene pass that draws velocities, and what else is seen, alone. */
 static stilb_result frame_velocity(render_device *device, const render_stream *stream, render_frame_target *target,
                                    const render_push *push)
 {
-	bool begun = target->velocity != 0;
 	uint32_t list;
 	render_stream moved = *stream;
 	render_formula_programs *choice;
 	moved.lights.bits = render_velocity_bits(stream->view);
-	stilb_result result = render_programs_choose(device, &stream->view->shading, moved.lights.bits, 0, stream->kinds,
-	                                             frame_surfaces(stream), &choice);
-	if (result == STILB_OK)
-		result = render_velocity_begin(device, stream, push->view.rest, target);
+	stilb_result result =
+		render_programs_choose_beside(device, &stream->view->shading, moved.lights.bits, 0,
+	                                  render_seen_bits(stream->view), stream->kinds, frame_surfaces(stream), &choice);
 	if (result == STILB_OK)
 		result = frame_list(device, &moved, (frame_part){0, stream->run_count}, FRAME_DRAWS_ALL, choice, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " velocity");
-	render_velocity_attach(device, stream, begun, target, &row);
+	row.depth = render_velocity_depth(device, stream->view, target);
+	render_beside_attach(device, choice, target, &row);
 	row_constants(&row, push, sizeof *push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	return STILB_OK;
@@ -714,8 +714,8 @@ static stilb_result frame_deferred(render_device *device, const render_stream *s
 {
 	render_formula_programs *surfaces;
 	uint32_t bits = render_gbuffer_bits(stream->view, stream->lights.bits);
-	stilb_result result = render_programs_choose(device, &stream->view->shading, bits, 0, stream->kinds,
-	                                             frame_surfaces(stream), &surfaces);
+	stilb_result result = render_programs_choose_beside(device, &stream->view->shading, bits, 0, stream->beside,
+	                                                    stream->kinds, frame_surfaces(stream), &surfaces);
 	uint32_t list;
 	if (result == STILB_OK)
 		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, surfaces, &list);
@@ -724,6 +724,7 @@ static stilb_result frame_deferred(render_device *device, const render_stream *s
 	stilb_gpu_pass row = frame_row(device, stream, list, " surfaces");
 	frame_attach(stream, target, backdrop, &row);
 	render_deferred_attach(device, stream->view, target, &row);
+	render_beside_attach(device, surfaces, target, &row);
 	result = frame_images(device, stream, target, surfaces, &row);
 	if (result != STILB_OK)
 		return result;
@@ -774,8 +775,8 @@ static stilb_result frame_laid(render_device *device, const render_stream *strea
 	if (result == STILB_OK && lists)
 		result = render_tiles_make(device, stream, target, push, &tiles);
 	if (result == STILB_OK)
-		result = render_programs_choose(device, &stream->view->shading, bits, stream->lights.shadow_bits, stream->kinds,
-		                                frame_surfaces(stream), &seen);
+		result = render_programs_choose_beside(device, &stream->view->shading, bits, stream->lights.shadow_bits,
+		                                       stream->beside, stream->kinds, frame_surfaces(stream), &seen);
 	if (result == STILB_OK)
 		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, seen, &list);
 	if (result != STILB_OK)
@@ -784,6 +785,7 @@ static stilb_result frame_laid(render_device *device, const render_stream *strea
 	frame_attach(stream, target, backdrop, &row);
 	row.depth.load = STILB_GPU_LOAD_KEEP;
 	row.depth.read_only = true;
+	render_beside_attach(device, seen, target, &row);
 	result = frame_images(device, stream, target, seen, &row);
 	if (result != STILB_OK)
 		return result;
@@ -813,46 +815,89 @@ static stilb_result frame_plain(render_device *device, const render_stream *stre
 	if (way.laid)
 		return frame_laid(device, &lit, target, backdrop, push);
 	stilb_result result =
-		render_programs_choose(device, &view->shading, stream->lights.bits, stream->lights.shadow_bits, stream->kinds,
-	                           frame_surfaces(stream), &choice);
+		render_programs_choose_beside(device, &view->shading, stream->lights.bits, stream->lights.shadow_bits,
+	                                  stream->beside, stream->kinds, frame_surfaces(stream), &choice);
 	if (result != STILB_OK)
 		return result;
 	return frame_is_multipass(stream) ? frame_multipass(device, stream, choice, target, backdrop, push)
 	                                  : frame_rows(device, stream, FRAME_DRAWS_PLAIN, choice, target, backdrop, push);
 }
 
-/* Adds the rows of what is plain whose light of the surroundings is apart: all other light, that, and the sum. */
-static stilb_result frame_apart(render_device *device, const render_stream *stream, render_frame_target *target,
-                                bool backdrop, const render_push *push)
+/* Adds the row that draws the surroundings' light on what is plain alone, where its depth is. */
+static stilb_result frame_around(render_device *device, const render_stream *stream, render_frame_target *target,
+                                 const render_push *push)
 {
 	render_formula_programs *around;
-	render_stream rest = *stream;
 	uint32_t bits = render_around_bits(stream->lights.bits), list;
-	rest.lights.bits = render_unlit_around_bits(stream->lights.bits);
-	stilb_result result = frame_plain(device, &rest, target, backdrop, push);
-	if (result == STILB_OK)
-		result = render_programs_choose(device, &stream->view->shading, bits, 0, stream->kinds, frame_surfaces(stream),
-		                                &around);
+	uint32_t beside = render_around_beside_bits(device, stream->view) | RENDER_BESIDE_ALONE;
+	stilb_result result = render_programs_choose_beside(device, &stream->view->shading, bits, 0, beside, stream->kinds,
+	                                                    frame_surfaces(stream), &around);
 	if (result == STILB_OK)
 		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, around, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " ambient");
-	render_around_attach(device, stream->view, target, &row);
-	if (render_formulas_are_gloss(around))
-		frame_gloss(device, &row);
+	row.depth = (stilb_gpu_attachment){.image = target->depth, .load = STILB_GPU_LOAD_KEEP, .read_only = true};
+	render_beside_attach(device, around, target, &row);
+	result = frame_images(device, stream, target, around, &row);
 	row_constants(&row, push, sizeof *push);
-	stilb_gpu_plan_pass(device->plan, &row);
-	uint16_t parts[2] = {row.color[0].image, row.color[1].image};
-	bool main = target == render_target_main(device);
-	result = main ? frame_stage(device, STILB_RENDER_STAGE_AMBIENT, &parts[0]) : STILB_OK;
+	if (result == STILB_OK)
+		stilb_gpu_plan_pass(device->plan, &row);
+	return result;
+}
+
+/* Adds the rows of what is plain whose light of the surroundings is apart: all other light and that, and the sum. */
+static stilb_result frame_apart(render_device *device, const render_stream *stream, render_frame_target *target,
+                                bool backdrop, const render_push *push)
+{
+	bool alone = !(stream->beside & RENDER_BESIDE_AROUND), main = target == render_target_main(device);
+	render_stream rest = *stream;
+	if (alone)
+		rest.lights.bits = render_unlit_around_bits(stream->lights.bits);
+	stilb_result result = frame_plain(device, &rest, target, backdrop, push);
+	if (result == STILB_OK && alone)
+		result = frame_around(device, stream, target, push);
+	uint16_t parts[2] = {target->beside[RENDER_BESIDE_IMAGE_AMBIENT], target->beside[RENDER_BESIDE_IMAGE_REFLECTION]};
+	if (result == STILB_OK && main)
+		result = frame_stage(device, STILB_RENDER_STAGE_AMBIENT, &parts[0]);
 	if (result == STILB_OK && main)
 		result = frame_stage(device, STILB_RENDER_STAGE_REFLECTION, &parts[1]);
 	return result == STILB_OK ? render_around_add(device, target, parts) : result;
 }
 
-static stilb_result frame_scene(render_device *device, const render_stream *stream)
+/* What the rows of a scene pass that draw surfaces draw beside the picture. The first pass into a target decides whether
+ * rows of their own draw what is seen. */
+static uint32_t frame_beside(const render_device *device, const stilb_render_view *view,
+                             const render_frame_target *target)
 {
+	uint32_t bits = target->color != 0 ? render_beside_bits(device, view) : 0;
+	bool begun = target->beside[RENDER_BESIDE_IMAGE_VELOCITY] != 0;
+	if (begun && target->velocity_depth != 0)
+		bits &= ~RENDER_BESIDE_SEEN;
+	return target->drawn ? bits & RENDER_BESIDE_SEEN : bits;
+}
+
+/* Adds the rows that come before those that draw a scene pass whose view has `last`. */
+static stilb_result frame_seen(render_device *device, const render_stream *stream, render_frame_target *target,
+                               const render_push *push)
+{
+	bool begun = target->beside[RENDER_BESIDE_IMAGE_VELOCITY] != 0;
+	stilb_result result = render_velocity_begin(device, stream, push->view.rest, target);
+	if (result != STILB_OK)
+		return result;
+	if (stream->beside & RENDER_BESIDE_VELOCITY) {
+		if (stream->view->surfaces)
+			stilb_gpu_plan_show(device->plan, target->depth); /* it is read with them */
+		return STILB_OK;
+	}
+	bool alone = !begun || target->velocity_depth != 0;
+	return alone ? frame_velocity(device, stream, target, push) : STILB_OK;
+}
+
+static stilb_result frame_scene(render_device *device, const render_stream *pass)
+{
+	render_stream drawn = *pass;
+	const render_stream *stream = &drawn;
 	const stilb_render_view *view = stream->view;
 	render_formula_programs *choice;
 	render_frame_target *target = render_target_get(device, view->target);
@@ -861,8 +906,10 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	bool backdrop = !target->drawn && target->color != 0 && render_view_is_lit(view) && !render_view_counts(view) &&
 	                render_backdrop_is_drawn(view, stream->panorama);
 	uint32_t surfaces = frame_surfaces(stream);
-	stilb_result result = render_programs_choose(device, &view->shading, stream->lights.bits,
-	                                             stream->lights.shadow_bits, stream->kinds, surfaces, &choice);
+	drawn.beside = frame_beside(device, view, target);
+	stilb_result result =
+		render_programs_choose_beside(device, &view->shading, stream->lights.bits, stream->lights.shadow_bits,
+	                                  stream->beside & RENDER_BESIDE_SEEN, stream->kinds, surfaces, &choice);
 	if (result == STILB_OK && !target->drawn)
 		result = frame_first(device, stream, target, backdrop);
 	if (result != STILB_OK)
@@ -878,7 +925,7 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	};
 	result = render_cells_make(device, stream);
 	if (result == STILB_OK && view->last && target->color != 0)
-		result = frame_velocity(device, stream, target, &push);
+		result = frame_seen(device, stream, target, &push);
 	if (result != STILB_OK)
 		return result;
 	if (view->show == STILB_RENDER_SHOW_ATLAS && target == render_target_main(device) && view->shadows &&

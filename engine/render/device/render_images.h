@@ -24,10 +24,13 @@
  * the camera, of models and of vertices. rg16_f, one sample a pixel; at most 32,768 either way. Written by passes
  * whose view has `last`, of what does not blend; where nothing is, of what is infinitely far away. An output. */
 #define STILB_RENDER_IMAGE_VELOCITY "velocity"
-/* The depth by which that was decided, as "depth"; d32_f, one sample a pixel. */
+/* The depth by which that was decided, as "depth"; d32_f, one sample a pixel. There only where rows of their own draw
+ * velocities: with several samples a pixel, of channels in the place of light, and with `surfaces` of views whose lights
+ * are deferred; else it is "depth". */
 #define STILB_RENDER_IMAGE_VELOCITY_DEPTH "velocity depth"
 
-/* Of the same surfaces as "velocity", by the same passes, of views with `surfaces`; one sample a pixel. Outputs.
+/* Of the same surfaces as "velocity", by the same passes, of views with `surfaces`, or with `ids` the second one; one
+ * sample a pixel. Outputs. At the stages AMBIENT and REFLECTION what can be lit later has been drawn alone.
  *   surface normal  the shading normal, in the world, bent by maps and towards the viewer, and by the program's
  *                   functions: on the octahedral map, times 0.5, plus 0.5; rg16_u. Of what has a coat that below it
  *   id              the scene's model + 1; 0: nothing, or what is drawn by hand; r32_ui

@@ -61,12 +61,12 @@ bool render_formulas_are_depth(const render_formula_programs *programs)
 
 bool render_formulas_are_velocity(const render_formula_programs *programs)
 {
-	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_VELOCITY;
+	return render_formulas_are_depth(programs) && programs->formulas[RENDER_FORMULA_BESIDE] & RENDER_BESIDE_VELOCITY;
 }
 
 bool render_formulas_are_seen(const render_formula_programs *programs)
 {
-	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SEEN;
+	return render_formulas_are_depth(programs) && programs->formulas[RENDER_FORMULA_BESIDE] & RENDER_BESIDE_ID;
 }
 
 bool render_formulas_are_gbuffer(const render_formula_programs *programs)
@@ -86,8 +86,7 @@ bool render_formulas_have_shadows(const render_formula_programs *programs)
 {
 	uint32_t bits = programs->formulas[RENDER_FORMULA_LIGHTS];
 	bool images = bits & RENDER_LIGHTS_APART && bits & RENDER_LIGHTS_LAID; /* lit before */
-	return !(bits & (RENDER_LIGHTS_DEPTH | RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_AROUND)) && !images &&
-	       render_lights_channel(bits) == 0;
+	return !(bits & (RENDER_LIGHTS_DEPTH | RENDER_LIGHTS_GBUFFER)) && !images && render_lights_channel(bits) == 0;
 }
 
 /* 1 + the channel that they show in the place of light; 0: none. */
@@ -119,7 +118,7 @@ static void program_added(stilb_gpu_program_desc *desc, const render_formula_pro
 /* How programs of surfaces whose depth is there differ. */
 static void program_laid(stilb_gpu_program_desc *desc, const render_formula_programs *choice)
 {
-	if (!(choice->formulas[RENDER_FORMULA_LIGHTS] & (RENDER_LIGHTS_LAID | RENDER_LIGHTS_AROUND)))
+	if (!(choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_LAID))
 		return;
 	desc->depth = STILB_GPU_COMPARE_GREATER_EQUAL;
 	desc->depth_write = false;
@@ -163,11 +162,6 @@ static void program_terms(stilb_gpu_program_desc *desc, const render_formula_pro
 	desc->samplers = 2;
 }
 
-static bool formulas_are_around(const render_formula_programs *choice)
-{
-	return choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_AROUND;
-}
-
 /* The shader of draws into depth, which without velocities most need not. */
 static stilb_gpu_shader program_depth_code(uint32_t detail, render_surface surface, bool velocity)
 {
@@ -185,6 +179,7 @@ static void program_formulas(const render_device *device, const render_formula_p
 	for (uint32_t f = 0; f < RENDER_FORMULA_SHADOWS; f++)
 		program_constant(desc, 2 + f, choice->formulas[f]);
 	program_constant(desc, 11, choice->formulas[RENDER_FORMULA_SHADOWS]);
+	program_constant(desc, 12, choice->formulas[RENDER_FORMULA_BESIDE]);
 	program_constant(desc, 7, detail);
 	program_constant(desc, 8, render_formulas_are_depth(choice) ? 1 : device->samples);
 }
@@ -216,8 +211,8 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 		                : gbuffer        ? render_gbuffer_mesh_fragment[gloss][surface]
 		                                 : render_images_mesh_fragment[gloss][surface];
 	desc.samplers += apart && !gbuffer ? RENDER_APART_IMAGES : 0;
-	if (render_formulas_are_seen(choice) || formulas_are_around(choice))
-		desc.fragment = depth ? render_seen_mesh_fragment[surface] : render_around_mesh_fragment[gloss][surface];
+	if (render_formulas_are_seen(choice))
+		desc.fragment = render_seen_mesh_fragment[surface];
 	program_terms(&desc, choice, render_terms_mesh_fragment[surface]);
 	if (channel > 0) {
 		program_channel(&desc, channel);
@@ -284,8 +279,10 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 		                : gbuffer        ? render_gbuffer_maps_fragment[gloss][extras]
 		                                 : render_images_maps_fragment[gloss][extras];
 	desc.samplers += apart && !gbuffer ? RENDER_APART_IMAGES : 0;
-	if (seen || formulas_are_around(choice))
-		desc.fragment = seen ? render_seen_maps_fragment[extras] : render_around_maps_fragment[gloss][extras];
+	if (seen)
+		desc.fragment = render_seen_maps_fragment[extras];
+	if (blends && choice->formulas[RENDER_FORMULA_BESIDE] != 0)
+		desc.colors = 1; /* what is beside is of what it covers */
 	program_terms(&desc, choice, render_terms_maps_fragment[extras]);
 	if (channel > 0) {
 		program_channel(&desc, channel);
@@ -483,24 +480,20 @@ static const stilb_gpu_format *formulas_gbuffer_formats(const render_formula_pro
 static stilb_result choice_compile(render_device *device, const render_formula_programs *choice,
                                    stilb_gpu_program program)
 {
-	bool depth = render_formulas_are_depth(choice), velocity = render_formulas_are_velocity(choice);
+	bool depth = render_formulas_are_depth(choice);
+	bool alone = choice->formulas[RENDER_FORMULA_BESIDE] & RENDER_BESIDE_ALONE;
+	stilb_gpu_format formats[STILB_GPU_MAX_COLORS] = {alone                        ? STILB_GPU_NONE
+	                                                  : formulas_are_terms(choice) ? STILB_GPU_RGBA8_U
+	                                                                               : STILB_GPU_RGBA16_F};
+	uint32_t count = depth ? 0 : 1;
 	if (render_formulas_are_gbuffer(choice)) {
-		const stilb_gpu_format *formats = formulas_gbuffer_formats(choice);
 		bool slim = formulas_are_apart(choice);
-		return stilb_gpu_program_prepare(device->gpu, program, formats + slim, slim ? 1 : 1 + RENDER_GBUFFER_IMAGES,
-		                                 STILB_GPU_D32_F, 1);
+		count = slim ? 1 : 1 + RENDER_GBUFFER_IMAGES;
+		memcpy(formats, formulas_gbuffer_formats(choice) + slim, count * sizeof *formats);
 	}
-	if (render_formulas_are_seen(choice) || formulas_are_around(choice)) {
-		static const stilb_gpu_format seen[] = {STILB_GPU_RG16_F, STILB_GPU_RG16_U, STILB_GPU_R32_UI};
-		static const stilb_gpu_format around[] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA16_F};
-		return stilb_gpu_program_prepare(device->gpu, program, depth ? seen : around, depth ? 3 : 2, STILB_GPU_D32_F,
-		                                 1);
-	}
-	stilb_gpu_format color = formulas_are_terms(choice) ? STILB_GPU_RGBA8_U
-	                         : velocity                 ? STILB_GPU_RG16_F
-	                                                    : STILB_GPU_RGBA16_F;
-	return stilb_gpu_program_prepare(device->gpu, program, &color, depth && !velocity ? 0 : 1, STILB_GPU_D32_F,
-	                                 depth ? 1 : device->samples);
+	count = render_beside_formats(choice, formats, count);
+	return stilb_gpu_program_prepare(device->gpu, program, formats, count, STILB_GPU_D32_F,
+	                                 depth || render_formulas_are_gbuffer(choice) ? 1 : device->samples);
 }
 
 /* How draws of the choice find their materials: a range of one kind, or of the two for even and odd ids. */
@@ -543,15 +536,14 @@ static stilb_result choice_make(render_device *device, render_formula_programs *
 /* Of RENDER_SHADOW_... those that programs with these bits read. */
 static uint32_t choice_shadow_bits(uint32_t light_bits, uint32_t shadow_bits)
 {
-	uint32_t unread = RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_AROUND;
-	if (!(light_bits & RENDER_LIGHTS_SHADOWS) || light_bits & unread)
+	if (!(light_bits & RENDER_LIGHTS_SHADOWS) || light_bits & RENDER_LIGHTS_GBUFFER)
 		return 0;
 	return shadow_bits & (light_bits & RENDER_LIGHTS_DEPTH ? RENDER_SHADOW_FLAT : ~RENDER_SHADOW_FLAT);
 }
 
-stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
-                                    uint32_t shadow_bits, uint32_t kinds, uint32_t surfaces,
-                                    render_formula_programs **chosen)
+stilb_result render_programs_choose_beside(render_device *device, const stilb_render_shading *wanted,
+                                           uint32_t light_bits, uint32_t shadow_bits, uint32_t beside, uint32_t kinds,
+                                           uint32_t surfaces, render_formula_programs **chosen)
 {
 	bool lit = !(light_bits & RENDER_LIGHTS_DEPTH) && render_lights_channel(light_bits) == 0;
 	bool microfacet = lit && wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
@@ -565,6 +557,7 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 		[RENDER_FORMULA_F] = microfacet ? wanted->f : 0,
 		[RENDER_FORMULA_LIGHTS] = light_bits,
 		[RENDER_FORMULA_SHADOWS] = choice_shadow_bits(light_bits, shadow_bits),
+		[RENDER_FORMULA_BESIDE] = beside,
 	};
 	pthread_mutex_lock(&device->programs.lock);
 	render_formula_programs *choice = choice_find(&device->programs, formulas);
@@ -583,6 +576,13 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 			atomic_fetch_or_explicit(&choice->ready, 1u << v, memory_order_release); /* see ready */
 	}
 	return result;
+}
+
+stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
+                                    uint32_t shadow_bits, uint32_t kinds, uint32_t surfaces,
+                                    render_formula_programs **chosen)
+{
+	return render_programs_choose_beside(device, wanted, light_bits, shadow_bits, 0, kinds, surfaces, chosen);
 }
 
 /* Makes what draws bodies around lights. The caller holds the lock. */
@@ -756,7 +756,8 @@ static stilb_result prepare_maps(render_device *device, render_formula_programs 
 static bool formulas_are_of_some(const render_formula_programs *choice)
 {
 	return choice->formulas[RENDER_FORMULA_LIGHTS] &
-	       (RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_ADDED | RENDER_LIGHTS_LAID | RENDER_LIGHTS_AROUND);
+	           (RENDER_LIGHTS_GBUFFER | RENDER_LIGHTS_ADDED | RENDER_LIGHTS_LAID) ||
+	       choice->formulas[RENDER_FORMULA_BESIDE] & RENDER_BESIDE_AROUND;
 }
 
 /* Makes the programs of all kinds of maps that draws of the view may have, on meshes with extras and without. */
@@ -781,28 +782,34 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 
 /* Makes the programs that draw a view's surfaces with these bits. */
 static stilb_result prepare_surfaces(render_device *device, const stilb_render_view *view, uint32_t bits,
-                                     uint32_t shadow_bits, uint32_t kinds, uint32_t surfaces,
+                                     uint32_t shadow_bits, uint32_t beside, uint32_t kinds, uint32_t surfaces,
                                      const render_known_maps *maps)
 {
 	render_formula_programs *choice;
-	stilb_result result = render_programs_choose(device, &view->shading, bits, shadow_bits, kinds, surfaces, &choice);
+	stilb_result result =
+		render_programs_choose_beside(device, &view->shading, bits, shadow_bits, beside, kinds, surfaces, &choice);
 	return result == STILB_OK ? prepare_all_maps(device, view, choice, kinds, maps) : result;
 }
 
-/* Makes what draws the surroundings' light apart, and all other light of what is plain. */
+/* Makes what draws the surroundings' light apart, and all other light of what is plain. beside: of render_beside_bits. */
 static stilb_result prepare_around(render_device *device, const stilb_render_view *view, uint32_t light_bits,
-                                   uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
+                                   uint32_t beside, uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
 {
-	uint32_t around = render_around_bits(light_bits), rest = render_unlit_around_bits(light_bits);
-	stilb_result result = prepare_surfaces(device, view, around, 0, kinds, surfaces, maps);
-	if (result == STILB_OK && !render_view_way(device, view).surfaces && !render_view_way(device, view).laid)
-		result = prepare_surfaces(device, view, rest, render_shadow_bits(view), kinds, surfaces, maps);
+	render_way way = render_view_way(device, view);
+	bool alone = !(beside & RENDER_BESIDE_AROUND);
+	uint32_t rest = alone ? render_unlit_around_bits(light_bits) : light_bits;
+	stilb_result result = STILB_OK;
+	if (alone)
+		result = prepare_surfaces(device, view, render_around_bits(light_bits), 0,
+		                          render_around_beside_bits(device, view) | RENDER_BESIDE_ALONE, kinds, surfaces, maps);
+	if (result == STILB_OK && !way.surfaces && !way.laid)
+		result = prepare_surfaces(device, view, rest, render_shadow_bits(view), beside, kinds, surfaces, maps);
 	return result == STILB_OK ? render_programs_around(device) : result;
 }
 
 /* Makes what a view's way of lighting needs besides the programs for light_bits. */
 static stilb_result prepare_way(render_device *device, const stilb_render_view *view, uint32_t light_bits,
-                                uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
+                                uint32_t beside, uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
 {
 	render_way way = render_view_way(device, view);
 	uint32_t depth = RENDER_LIGHTS_DEPTH | (light_bits & RENDER_LIGHTS_SIDES);
@@ -810,15 +817,17 @@ static stilb_result prepare_way(render_device *device, const stilb_render_view *
 	uint32_t added = render_added_bits(view, light_bits);
 	uint32_t again = way.laid ? render_laid_bits(view, light_bits) : added;
 	uint32_t shadow_bits = render_shadow_bits(view), terms = render_terms_bits(light_bits);
-	stilb_result result = first != 0 ? prepare_surfaces(device, view, first, 0, kinds, surfaces, maps) : STILB_OK;
+	stilb_result result = STILB_OK;
+	if (first != 0)
+		result = prepare_surfaces(device, view, first, 0, way.surfaces ? beside : 0, kinds, surfaces, maps);
 	if (light_bits & RENDER_LIGHTS_SHADOWS && render_view_has_buffer(device, view)) {
 		if (result == STILB_OK)
-			result = prepare_surfaces(device, view, terms, render_terms_shadow_bits(shadow_bits, false), kinds,
+			result = prepare_surfaces(device, view, terms, render_terms_shadow_bits(shadow_bits, false), 0, kinds,
 			                          surfaces, maps);
 		shadow_bits = RENDER_SHADOW_BUFFER;
 	}
 	if (result == STILB_OK && again != 0)
-		result = prepare_surfaces(device, view, again, shadow_bits, kinds, surfaces, maps);
+		result = prepare_surfaces(device, view, again, shadow_bits, way.laid ? beside : 0, kinds, surfaces, maps);
 	if (result == STILB_OK && light_bits & RENDER_LIGHTS_LISTS && (way.tiles || way.indexed)) {
 		stilb_gpu_program tiles;
 		result = render_programs_tiles_of(device, view, light_bits, &tiles);
@@ -832,31 +841,45 @@ static stilb_result prepare_way(render_device *device, const stilb_render_view *
 	return result == STILB_OK ? render_programs_deferred(device, lights, volumes) : result;
 }
 
+/* The kinds of draws that the view may have, as of render_programs_choose, and the surfaces. */
+static uint32_t prepare_kinds(const stilb_render_view *view, uint32_t *surfaces)
+{
+	uint32_t kinds = render_view_kinds(view);
+	bool drawn = view->impostors && view->detail.mode != STILB_RENDER_DETAIL_OFF;
+	*surfaces = 1u << RENDER_SURFACE_PLAIN | 1u << RENDER_SURFACE_TEXTURE | (uint32_t)drawn << RENDER_SURFACE_IMPOSTOR;
+	if (drawn && view->show != STILB_RENDER_SHOW_LEVELS && view->detail.mode != STILB_RENDER_DETAIL_POP)
+		kinds |= 1u << render_state_detail(RENDER_STATE_FADE); /* also models that morph fade to their impostor */
+	return kinds;
+}
+
+stilb_result render_device_prepare_seen(render_device *device, const stilb_render_view *view,
+                                        const render_known_maps *maps)
+{
+	uint32_t surfaces, kinds = prepare_kinds(view, &surfaces), seen = render_seen_bits(view);
+	stilb_result result = seen != 0 ? render_programs_velocity(device) : STILB_OK;
+	if (result != STILB_OK || (seen & ~render_beside_bits(device, view)) == 0)
+		return result;
+	return prepare_surfaces(device, view, render_velocity_bits(view), 0, seen, kinds, surfaces, maps);
+}
+
 stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits,
                                    const render_known_maps *maps)
 {
-	render_formula_programs *choice;
-	uint32_t kinds = render_view_kinds(view), surfaces = 1u << RENDER_SURFACE_PLAIN | 1u << RENDER_SURFACE_TEXTURE;
-	bool drawn = view->impostors && view->detail.mode != STILB_RENDER_DETAIL_OFF;
-	if (drawn && view->show != STILB_RENDER_SHOW_LEVELS && view->detail.mode != STILB_RENDER_DETAIL_POP)
-		kinds |= 1u << render_state_detail(RENDER_STATE_FADE); /* also models that morph fade to their impostor */
-	surfaces |= drawn ? 1u << RENDER_SURFACE_IMPOSTOR : 0;
-	stilb_result result =
-		render_programs_choose(device, &view->shading, light_bits, render_shadow_bits(view), kinds, surfaces, &choice);
-	if (result == STILB_OK)
-		result = prepare_all_maps(device, view, choice, kinds, maps);
-	if (result == STILB_OK && render_formulas_are_velocity(choice))
-		result = render_programs_velocity(device);
+	uint32_t surfaces, kinds = prepare_kinds(view, &surfaces);
+	bool depth = light_bits & RENDER_LIGHTS_DEPTH, apart = render_view_is_apart(device, view) && !depth;
+	uint32_t beside = depth ? 0 : render_beside_bits(device, view);
+	stilb_result result = prepare_surfaces(device, view, light_bits, render_shadow_bits(view),
+	                                       beside & RENDER_BESIDE_SEEN, kinds, surfaces, maps);
 	bool compute = view->light_lists == STILB_RENDER_LIGHT_LISTS_COMPUTE && light_bits & RENDER_LIGHTS_LISTS;
 	if (result == STILB_OK && compute)
 		result = render_programs_cells(device);
-	bool apart = render_view_is_apart(device, view) && !render_formulas_are_depth(choice);
 	if (result == STILB_OK && apart)
-		result = prepare_around(device, view, light_bits, kinds, surfaces, maps);
-	if (result == STILB_OK && !render_formulas_are_depth(choice))
-		result =
-			prepare_way(device, view, apart ? render_unlit_around_bits(light_bits) : light_bits, kinds, surfaces, maps);
-	if (result != STILB_OK || render_formulas_are_depth(choice))
+		result = prepare_around(device, view, light_bits, beside, kinds, surfaces, maps);
+	if (apart && !(beside & RENDER_BESIDE_AROUND))
+		light_bits = render_unlit_around_bits(light_bits);
+	if (result == STILB_OK && !depth)
+		result = prepare_way(device, view, light_bits, beside, kinds, surfaces, maps);
+	if (result != STILB_OK || depth)
 		return result;
 	/* Of surroundings with a panorama sky and ground are shown until that is made. */
 	if (view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)

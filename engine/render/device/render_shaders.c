@@ -218,36 +218,6 @@ static const uint32_t cells_fill_comp[] =
 static const uint32_t cells_sum_comp[] =
 #include "cells_sum.comp.inc"
 	;
-static const uint32_t mesh_around_frag[] =
-#include "mesh_around.frag.inc"
-	;
-static const uint32_t mesh_texture_around_frag[] =
-#include "mesh_texture_around.frag.inc"
-	;
-static const uint32_t impostor_around_frag[] =
-#include "impostor_around.frag.inc"
-	;
-static const uint32_t maps_around_frag[] =
-#include "maps_around.frag.inc"
-	;
-static const uint32_t maps_extras_around_frag[] =
-#include "maps_extras_around.frag.inc"
-	;
-static const uint32_t mesh_gloss_around_frag[] =
-#include "mesh_gloss_around.frag.inc"
-	;
-static const uint32_t mesh_texture_gloss_around_frag[] =
-#include "mesh_texture_gloss_around.frag.inc"
-	;
-static const uint32_t impostor_gloss_around_frag[] =
-#include "impostor_gloss_around.frag.inc"
-	;
-static const uint32_t maps_gloss_around_frag[] =
-#include "maps_gloss_around.frag.inc"
-	;
-static const uint32_t maps_extras_gloss_around_frag[] =
-#include "maps_extras_gloss_around.frag.inc"
-	;
 static const uint32_t around_frag[] =
 #include "around.frag.inc"
 	;
@@ -557,22 +527,6 @@ const stilb_gpu_shader render_images_mesh_fragment[2][RENDER_SURFACES] = {
 const stilb_gpu_shader render_images_maps_fragment[2][2] = {
 	{SHADER(maps_images_frag), SHADER(maps_extras_images_frag)},
 	{SHADER(maps_gloss_images_frag), SHADER(maps_extras_gloss_images_frag)},
-};
-const stilb_gpu_shader render_around_mesh_fragment[2][RENDER_SURFACES] = {
-	{
-		[RENDER_SURFACE_PLAIN] = SHADER(mesh_around_frag),
-		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_around_frag),
-		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_around_frag),
-	},
-	{
-		[RENDER_SURFACE_PLAIN] = SHADER(mesh_gloss_around_frag),
-		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_gloss_around_frag),
-		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_gloss_around_frag),
-	},
-};
-const stilb_gpu_shader render_around_maps_fragment[2][2] = {
-	{SHADER(maps_around_frag), SHADER(maps_extras_around_frag)},
-	{SHADER(maps_gloss_around_frag), SHADER(maps_extras_gloss_around_frag)},
 };
 const stilb_gpu_shader render_around_fragment = SHADER(around_frag);
 const stilb_gpu_shader render_difference_fragment = SHADER(difference_frag);

@@ -72,7 +72,10 @@ static bool until_writes(const stilb_gpu_plan *plan, uint32_t row, uint16_t imag
  * the resource; 0: none. */
 static uint16_t until_drawn(const stilb_gpu_plan *plan, const stilb_gpu_pass *pass, stilb_render_shown *shown)
 {
-	const stilb_gpu_attachment *a = pass->color_count > 0 ? &pass->color[0] : &pass->depth;
+	uint32_t first = 0;
+	while (first < pass->color_count && pass->color[first].load == STILB_GPU_LOAD_NONE)
+		first++;
+	const stilb_gpu_attachment *a = first < pass->color_count ? &pass->color[first] : &pass->depth;
 	if (a->image != 0 && !a->read_only) {
 		shown->mip = a->mip;
 		shown->layer = a->layer;

@@ -1,4 +1,4 @@
-/* The images of velocities: where what each pixel shows was in the frame before; and of its normal and model. */
+/* The image of velocities: where what each pixel shows was in the frame before. */
 #include "render/device/render_images.h"
 #include "render/render_internal.h"
 
@@ -12,14 +12,11 @@ stilb_result render_velocity_begin(render_device *device, const render_stream *s
                                    render_frame_target *target)
 {
 	const stilb_scene_backdrop *backdrop = &stream->view->backdrop;
-	if (target->velocity != 0)
+	if (target->beside[RENDER_BESIDE_IMAGE_VELOCITY] != 0)
 		return STILB_OK;
 	stilb_result result = render_programs_velocity(device);
 	if (result != STILB_OK)
 		return result;
-	target->velocity = render_target_image(device, target, STILB_RENDER_IMAGE_VELOCITY, STILB_GPU_RG16_F, true);
-	target->velocity_depth =
-		render_target_image(device, target, STILB_RENDER_IMAGE_VELOCITY_DEPTH, STILB_GPU_D32_F, stream->view->surfaces);
 	render_velocity_push push = {.half_size = {0.5f * (float)target->width, 0.5f * (float)target->height},
 	                             .last = view + offsetof(render_view_data, last_view_projection)};
 	render_backdrop_axes(stream->view, push.ahead, push.across, push.down);
@@ -33,7 +30,8 @@ stilb_result render_velocity_begin(render_device *device, const render_stream *s
 		.kind = STILB_GPU_PASS_FULLSCREEN,
 		.program = device->programs.velocity_far.id,
 		.color_count = 1,
-		.color = {{.image = target->velocity, .load = STILB_GPU_LOAD_DISCARD}},
+		.color = {{.image = render_beside_image(device, target, RENDER_BESIDE_IMAGE_VELOCITY),
+	               .load = STILB_GPU_LOAD_DISCARD}},
 		.constant_bytes = sizeof push,
 	};
 	memcpy(row.constants, &push, sizeof push);
@@ -41,21 +39,12 @@ stilb_result render_velocity_begin(render_device *device, const render_stream *s
 	return STILB_OK;
 }
 
-void render_velocity_attach(render_device *device, const render_stream *stream, bool begun, render_frame_target *target,
-                            stilb_gpu_pass *row)
+stilb_gpu_attachment render_velocity_depth(render_device *device, const stilb_render_view *view,
+                                           render_frame_target *target)
 {
-	row->color_count = 1;
-	row->color[0] = (stilb_gpu_attachment){.image = target->velocity, .load = STILB_GPU_LOAD_KEEP};
-	row->depth = (stilb_gpu_attachment){.image = target->velocity_depth,
-	                                    .load = begun ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR};
-	if (!stream->view->surfaces)
-		return;
-	stilb_gpu_load load = target->id != 0 ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR; /* to 0 */
-	if (target->id == 0) {
-		target->normal = render_target_image(device, target, STILB_RENDER_IMAGE_SURFACE_NORMAL, STILB_GPU_RG16_U, true);
-		target->id = render_target_image(device, target, STILB_RENDER_IMAGE_ID, STILB_GPU_R32_UI, true);
-	}
-	row->color_count = 3;
-	row->color[1] = (stilb_gpu_attachment){.image = target->normal, .load = load};
-	row->color[2] = (stilb_gpu_attachment){.image = target->id, .load = load};
+	stilb_gpu_load load = target->velocity_depth != 0 ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR;
+	if (target->velocity_depth == 0)
+		target->velocity_depth =
+			render_target_image(device, target, STILB_RENDER_IMAGE_VELOCITY_DEPTH, STILB_GPU_D32_F, view->surfaces);
+	return (stilb_gpu_attachment){.image = target->velocity_depth, .load = load};
 }

@@ -111,13 +111,13 @@ uint32_t render_laid_bits(const stilb_render_view *view, uint32_t light_bits)
 
 bool render_view_is_apart(const render_device *device, const stilb_render_view *view)
 {
-	return view->ambient_apart && device->samples == 1 && render_view_is_lit(view);
+	return view->ambient_apart && device->samples == 1 && render_view_is_lit(view) && !render_view_counts(view);
 }
 
 uint32_t render_around_bits(uint32_t light_bits)
 {
 	uint32_t read = RENDER_LIGHTS_SIDES | RENDER_LIGHTS_PANORAMA | RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_AMBIENT;
-	return (light_bits & read) | RENDER_LIGHTS_AROUND;
+	return (light_bits & read) | RENDER_LIGHTS_LAID;
 }
 
 uint32_t render_unlit_around_bits(uint32_t light_bits)

@@ -4,11 +4,14 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The shader must write what its passes draw into. */
+/* The shader must write what its passes draw into: light also what is seen, beside it. */
 static stilb_result function_check_output(const stilb_gpu_shader *shader, render_function_kind kind, const char *name)
 {
 	gpu_spirv found;
-	uint32_t outputs = kind == RENDER_FUNCTION_DEPTH ? 0 : kind == RENDER_FUNCTION_SEEN ? 7 : 1; /* bits */
+	static const uint8_t written[] = {
+		[RENDER_FUNCTION_MAPS] = 0xf,  [RENDER_FUNCTION_THROUGH] = 0xf,  [RENDER_FUNCTION_CHANNEL] = 0x1,
+		[RENDER_FUNCTION_DEPTH] = 0x0, [RENDER_FUNCTION_VELOCITY] = 0x1, [RENDER_FUNCTION_SEEN] = 0x7};
+	uint32_t outputs = written[kind]; /* bits */
 	if (!gpu_spirv_read(shader, &found) || found.no_memory)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for reading the shaders of '%s'", name);
 	if (found.outputs == outputs)

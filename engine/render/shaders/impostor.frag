@@ -3,10 +3,11 @@
 #include "mesh.glsl"
 #include "impostor_seen.glsl"
 
-#ifdef MESH_SEEN
-#include "velocity.glsl"
-#else
+#ifndef MESH_SEEN
 layout(location = 0) out vec4 color;
+#endif
+#ifdef LIT_BESIDE
+#include "velocity/beside.glsl"
 #endif
 
 vec3 world_position;
@@ -29,10 +30,11 @@ void main()
 	if (both_sides)
 		n = bent_normal(n, to_camera);
 
+#ifdef LIT_BESIDE
+	beside_write((beside & BESIDE_VELOCITY) != 0u ? last_place(world_position) : vec3(0.0), n, model_id);
+#endif
 #ifdef MESH_SEEN
 	gl_FragDepth = depth_of(world_position);
-	velocity = velocity_from(last_place(world_position), vec2(push.view.rest.half_width, push.view.rest.half_height));
-	seen_write(n, model_lights);
 #else
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);

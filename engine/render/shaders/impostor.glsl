@@ -5,6 +5,7 @@
 	layout(location = 0) way vec3 world_plate; \
 	layout(location = 1) flat way uint material_word; \
 	layout(location = 1, component = 1) flat way uint model_lights; \
+	layout(location = 1, component = 2) flat way uint model_id; \
 	layout(location = 2) flat way vec2 sides; /* texels of a picture's side, and of a map's */ \
 	layout(location = 3) flat way vec3 normal_x; /* rows of the matrix that takes normals to the world */ \
 	layout(location = 4) flat way vec3 normal_y; \

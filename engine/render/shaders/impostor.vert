@@ -88,12 +88,11 @@ void main()
 #undef PICTURE
 	sides = vec2(side, grid * side);
 	material_word = row.material | material_unshadowed(row, formula_lights);
-	model_lights = (formula_lights & LIGHTS_SEEN) != 0u ? row.model & ROW_MODEL
-		: (formula_lights & LIGHTS_COMBINED) != 0u ? model_word(row)
-		                                              : 0u;
+	model_lights = (formula_lights & LIGHTS_COMBINED) != 0u ? model_word(row) : 0u;
+	model_id = (beside & BESIDE_ID) != 0u ? row.model & ROW_MODEL : 0u;
 	if (detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW)
 		material_word |= detail << DETAIL_MATERIAL_SHIFT;
 	for (uint i = 0u; i < 3u; i++)
-		moved[i] = (formula_lights & LIGHTS_VELOCITY) != 0u ? moved_row(row, i) : vec4(0.0);
+		moved[i] = (beside & BESIDE_VELOCITY) != 0u ? moved_row(row, i) : vec4(0.0);
 	gl_Position = push.view.rest.view_projection * vec4(world_plate, 1.0);
 }

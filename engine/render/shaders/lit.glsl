@@ -122,7 +122,7 @@ bool receives = (material_word & MATERIAL_UNSHADOWED) == 0u;
 
 // Programs that add up lights by themselves.
 #if !defined(MESH_GBUFFER) && !defined(LIT_IMAGES) && !defined(MESH_CHANNEL) && !defined(MESH_SEEN) &&                 \
-	!defined(LIT_AROUND) && !defined(MAPS_DEPTH) && !defined(LIT_ALONE)
+	!defined(MAPS_DEPTH) && !defined(LIT_ALONE)
 #define LIT_SHADOWS
 #include "shadow/shadow.glsl"
 #endif
@@ -459,15 +459,9 @@ void terms_write(vec3 n)
 }
 #endif
 
-// LIT_AROUND: programs that draw what surfaces send on of the surroundings' light alone, in two parts.
+// LIT_AROUND: programs that may draw what surfaces send on of the surroundings' light apart (velocity/beside.glsl).
 #ifdef LIT_AROUND
-#include "../../shading/shade_impostor.h"
-layout(location = 1) out vec4 reflection; // behind what they send on evenly
-layout(location = 2) out vec4 mirror;     // what share of it the surface mirrors, and its roughness
-layout(location = 3) out vec2 mirror_normal;
-vec3 around_even = vec3(0.0), around_mirrored = vec3(0.0); // of this pixel
-vec4 around_mirror = vec4(0.0);
-vec3 around_normal = vec3(0.0, 1.0, 0.0);
+const bool lights_around = (beside & BESIDE_AROUND) != 0u;
 
 // The share of the surroundings' light that own_highlight mirrors.
 vec3 own_mirror(shade_material material, vec3 n, vec3 to_camera)
@@ -489,13 +483,6 @@ vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 
 #ifdef LIT_TERMS
 	terms_write(frame_here(n).n);
 	return vec3(0.0);
-#elif defined(LIT_AROUND)
-	material = shade_surface_seen(model, material, dot(n, to_camera));
-	around_even = own_even_radiance(material.diffuse, n) * open;
-	around_mirrored = own_highlight(material, n, to_camera);
-	around_mirror = vec4(own_mirror(material, n, to_camera), material.roughness);
-	around_normal = n;
-	return vec3(0.0);
 #else
 #ifdef MESH_GBUFFER
 	gbuffer = GbufferSurface(material, n, receives);
@@ -511,6 +498,13 @@ vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 
 #endif
 	if (adds_lights)
 		return radiance;
+#ifdef LIT_AROUND
+	if (lights_around) {
+		around = Around(own_even_radiance(material.diffuse, n) * open, own_highlight(material, n, to_camera),
+			own_mirror(material, n, to_camera), n, material.roughness);
+		return radiance + emission;
+	}
+#endif
 	radiance += own_even_radiance(material.diffuse, n) * open;
 	radiance += emission;
 	radiance += own_highlight(material, n, to_camera);
@@ -587,11 +581,8 @@ vec4 picture_color(vec3 radiance, uint material)
 	return sqrt(terms); // dark shares in finer steps, as the display has them
 #endif
 #ifdef LIT_AROUND
-	bool none = black || detail_kind == DETAIL_SHOW;
-	reflection = vec4(none ? vec3(0.0) : around_mirrored, 1.0);
-	mirror = none ? vec4(0.0) : around_mirror;
-	mirror_normal = shade_octahedral_from_direction(around_normal) * 0.5 + 0.5;
-	return vec4(none ? vec3(0.0) : around_even, 1.0);
+	if (lights_around)
+		around_write(black || detail_kind == DETAIL_SHOW);
 #endif
 #ifdef MESH_GBUFFER
 	if (black || detail_kind == DETAIL_SHOW)

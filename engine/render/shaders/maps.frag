@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Meshes whose material has a surface (scene/scene_surface.h). MAPS_FUNCTION: that has a function of the program's, too
 // (surface.glsl); MAPS_DEPTH: where depth alone is drawn, of these; with MESH_VELOCITY: where velocities are, too; with
-// MESH_SEEN: and normals and ids, of all.
+// MESH_SEEN: and models and normals, of all.
 #include "surface.glsl"
 #ifdef MAPS_FUNCTION
 #define discard surface_functions_must_not_discard_but_return_alpha_0
@@ -36,8 +36,12 @@ layout(constant_id = 10) const uint max_anisotropy = 1u; // of the samplers
 #ifndef MAPS_DEPTH
 layout(location = 0) out vec4 color;
 #endif
-#ifdef MESH_VELOCITY
+#ifdef LIT_BESIDE
+#include "velocity/beside.glsl"
+#elif defined(MESH_VELOCITY)
 #include "velocity.glsl"
+#endif
+#if defined(LIT_BESIDE) || defined(MESH_VELOCITY)
 layout(location = 4) in vec3 last_clip;
 #endif
 #ifdef MAPS_FUNCTION
@@ -426,10 +430,9 @@ void main()
 		color *= clamp(surface.alpha, 0.0, 1.0);
 #endif
 #endif
-#ifdef MESH_VELOCITY
+#ifdef LIT_BESIDE
+	beside_write(last_clip, surface.normal, model_id);
+#elif defined(MESH_VELOCITY)
 	velocity = velocity_from(last_clip, vec2(push.view.rest.half_width, push.view.rest.half_height));
-#endif
-#ifdef MESH_SEEN
-	seen_write(surface.normal, model_lights);
 #endif
 }

@@ -3,6 +3,7 @@
 
 layout(location = 2) flat in uint material_word; // the material's index, and above it how the draw fades
 layout(location = 2, component = 1) flat in uint model_lights;
+layout(location = 2, component = 2) flat in uint model_id;
 MAPS_PLACES(in)
 #ifdef MESH_EXTRAS
 layout(location = 5) centroid in vec4 surface_color;

@@ -9,17 +9,19 @@ layout(location = 24) centroid in vec3 vertex_even;
 layout(location = 25) centroid in vec3 vertex_odd;
 layout(location = 2) flat in uint material_word; // the material's index, and above it how the draw fades
 layout(location = 2, component = 1) flat in uint model_lights;
+layout(location = 2, component = 2) flat in uint model_id;
 
 #ifdef MESH_TEXTURE
 layout(location = 3) centroid in vec2 surface_uv;
 layout(set = 1, binding = 0) uniform sampler2D diffuse_texture;
 #endif
 
-#ifdef MESH_SEEN
-#include "velocity.glsl"
-layout(location = 4) in vec3 last_clip;
-#else
+#ifndef MESH_SEEN
 layout(location = 0) out vec4 color;
+#endif
+#ifdef LIT_BESIDE
+#include "velocity/beside.glsl"
+layout(location = 4) in vec3 last_clip;
 #endif
 
 #define LIT_VERTEX
@@ -58,10 +60,10 @@ void main()
 	vec3 n = normalize(world_normal);
 	if (both_sides)
 		n = turned_normal(n, flat_normal, to_camera);
-#ifdef MESH_SEEN
-	velocity = velocity_from(last_clip, vec2(push.view.rest.half_width, push.view.rest.half_height));
-	seen_write(n, model_lights);
-#else
+#ifdef LIT_BESIDE
+	beside_write(last_clip, n, model_id);
+#endif
+#ifndef MESH_SEEN
 	vec3 emission = !both_sides || gl_FrontFacing ? stored.emission_wrap.xyz : vec3(0.0);
 #ifdef MESH_CHANNEL
 	material = shade_material(diffuse, stored.specular_anisotropy.xyz, stored.diffuse_roughness.w, 0.0, 0.0);

@@ -149,16 +149,24 @@ uint model_word(Row row)
 }
 #endif
 
-// Of render_view_lights.bits: velocities are drawn (velocity.glsl). And what lights in place of sky, ground and
-// panorama.
-#define LIGHTS_VELOCITY 4096u
+// RENDER_BESIDE_...: what the program draws beside the picture, or beside depth (velocity/beside.glsl).
+layout(constant_id = 12) const uint beside = 0u;
+#define BESIDE_VELOCITY 1u
+#define BESIDE_ID 2u
+#define BESIDE_NORMAL 4u
+#define BESIDE_AROUND 8u
+#define BESIDE_MIRROR 16u
+// LIT_BESIDE: fragment shaders that can.
+#if !defined(MESH_CHANNEL) && !defined(LIT_TERMS) && !defined(LIT_ALONE) && !defined(GBUFFER_SLIM) && \
+	(!defined(MAPS_DEPTH) || defined(MESH_SEEN))
+#define LIT_BESIDE
+#endif
+
+// Of render_view_lights.bits: what lights in place of sky, ground and panorama.
 #define LIGHTS_AMBIENT (3u << 21)
 #define LIGHTS_DARK (1u << 21)
 #define LIGHTS_SH_VERTEX (2u << 21)
 #define LIGHTS_SH_PIXEL (3u << 21)
-
-// Likewise: beside velocities normals and ids are drawn.
-#define LIGHTS_SEEN (1u << 29)
 
 // Likewise: models have lights of their own.
 #define LIGHTS_COMBINED 8388608u

@@ -16,7 +16,8 @@ layout(location = 0) centroid out vec3 world_position;
 layout(location = 23) out vec3 middle_position; // in the pixel's middle, also where that is beside the triangle
 layout(location = 1) centroid out vec3 world_normal;
 layout(location = 2) flat out uint material;
-layout(location = 2, component = 1) flat out uint model_lights; // the model's word; of LIGHTS_SEEN 1 + the model
+layout(location = 2, component = 1) flat out uint model_lights; // the model's word
+layout(location = 2, component = 2) flat out uint model_id;     // 1 + the model; for BESIDE_ID alone
 layout(location = 4) out vec3 last_clip; // x, y, w of where the point was in the frame before; for velocities alone
 #ifndef MESH_FUNCTION // which may return any normal
 // Irradiance at the vertex is the sum of both, from behind their difference; for LIGHTS_SH_VERTEX alone.
@@ -216,9 +217,8 @@ void main()
 #endif
 
 	material = row.material | material_unshadowed(row, formula_lights);
-	model_lights = (formula_lights & LIGHTS_SEEN) != 0u ? row.model & ROW_MODEL
-		: (formula_lights & LIGHTS_COMBINED) != 0u ? model_word(row)
-		                                              : 0u;
+	model_lights = (formula_lights & LIGHTS_COMBINED) != 0u ? model_word(row) : 0u;
+	model_id = (beside & BESIDE_ID) != 0u ? row.model & ROW_MODEL : 0u;
 	if (detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW)
 		material |= detail << DETAIL_MATERIAL_SHIFT;
 #ifdef MESH_MAPS
@@ -253,6 +253,6 @@ void main()
 		write_irradiance(unit_or_zero(world_normal));
 #endif
 	gl_Position = push.view.rest.view_projection * vec4(world_position, 1.0);
-	if ((formula_lights & LIGHTS_VELOCITY) != 0u)
+	if ((beside & BESIDE_VELOCITY) != 0u)
 		last_clip = (push.view.rest.last_view_projection * vec4(last_position(row, place, world_position), 1.0)).xyw;
 }

@@ -1,5 +1,10 @@
 // The velocity of what a pixel shows: pixels from its middle to where the same point was in the frame before.
-layout(location = 0) out vec2 velocity;
+// BESIDE_FIRST: the place of its image among what the program draws into (velocity/beside.glsl).
+#ifndef BESIDE_FIRST
+#define BESIDE_FIRST 0
+#endif
+
+layout(location = BESIDE_FIRST) out vec2 velocity;
 
 const float FASTEST = 32768.0; // what the camera has passed was nowhere in the picture
 
@@ -9,18 +14,3 @@ vec2 velocity_from(vec3 last, vec2 half_size)
 	vec2 place = (last.xy / max(last.z, 1e-6) + 1.0) * half_size;
 	return clamp(place - gl_FragCoord.xy, -FASTEST, FASTEST);
 }
-
-// MESH_SEEN: programs that also write what else later passes want to know of what a pixel shows.
-#ifdef MESH_SEEN
-#include "../../shading/shade_impostor.h"
-
-layout(location = 1) out vec2 seen_normal; // on the octahedral map, times 0.5, plus 0.5
-layout(location = 2) out uint seen_id;
-
-// n: the unit shading normal; model: 1 + the scene's, 0: none.
-void seen_write(vec3 n, uint model)
-{
-	seen_normal = shade_octahedral_from_direction(n) * 0.5 + 0.5;
-	seen_id = model;
-}
-#endif

@@ -107,6 +107,13 @@ static void read_image(stage *s, const char *name, size_t bytes, void *out)
 	stilb_gpu_read_end(gpu, ticket);
 }
 
+/* The name of the depth by which velocities were decided. */
+static const char *seen_depth(const stage *s)
+{
+	bool own = stilb_gpu_plan_find(stilb_render_plan(s->render), STILB_RENDER_IMAGE_VELOCITY_DEPTH) != 0;
+	return own ? STILB_RENDER_IMAGE_VELOCITY_DEPTH : STILB_RENDER_IMAGE_DEPTH;
+}
+
 static const char *way_name(const stage *s)
 {
 	return stilb_render_lighting_names[s->view.lighting];
@@ -164,7 +171,7 @@ static void check_seen(stage *s)
 	read_image(s, STILB_RENDER_IMAGE_SURFACE_NORMAL, sizeof left.normal, left.normal);
 	read_image(s, STILB_RENDER_IMAGE_VELOCITY, sizeof left.velocity, left.velocity);
 	read_image(s, STILB_RENDER_IMAGE_ID, sizeof left.id, left.id);
-	read_image(s, STILB_RENDER_IMAGE_VELOCITY_DEPTH, sizeof left.depth, left.depth);
+	read_image(s, seen_depth(s), sizeof left.depth, left.depth);
 	for (uint32_t i = 0; i < PIXELS; i++) {
 		met m = meet(i % SIDE, i / SIDE);
 		double now[4], last[4], pixel[2] = {i % SIDE + 0.5, i / SIDE + 0.5};
@@ -211,6 +218,86 @@ static void what_is_seen(void **state)
 		}
 		stage_close(&s);
 	}
+}
+
+/* ---- beside the picture, or in rows of their own ----------------------------------------------------------------- */
+
+/* What a frame leaves besides its picture, and how large a texel of it is. */
+static const struct {
+	const char *name;
+	uint32_t bytes;
+} kinds_left[] = {{STILB_RENDER_IMAGE_VELOCITY, 4},       {STILB_RENDER_IMAGE_ID, 4},
+                  {STILB_RENDER_IMAGE_SURFACE_NORMAL, 4}, {STILB_RENDER_IMAGE_AMBIENT, 8},
+                  {STILB_RENDER_IMAGE_REFLECTION, 8},     {STILB_RENDER_IMAGE_MIRROR, 4},
+                  {STILB_RENDER_IMAGE_MIRROR_NORMAL, 4}};
+
+enum { LEFT = sizeof kinds_left / sizeof *kinds_left };
+
+typedef struct frame_left {
+	stilb_image picture;
+	uint64_t texels[LEFT][PIXELS];
+	float depth[PIXELS];
+	bool there[LEFT];
+	uint32_t alone; /* rows that draw triangles for what is left alone */
+} frame_left;
+
+static void draw_left(stage *s, bool own_rows, frame_left *out)
+{
+	s->render->device->own_rows = own_rows;
+	*out = (frame_left){.picture = stage_picture(s)};
+	const stilb_gpu_plan *plan = stilb_render_plan(s->render);
+	for (uint32_t i = 0; i < LEFT; i++) {
+		out->there[i] = stilb_gpu_plan_find(plan, kinds_left[i].name) != 0;
+		if (out->there[i])
+			read_image(s, kinds_left[i].name, kinds_left[i].bytes * PIXELS, out->texels[i]);
+	}
+	if (s->view.surfaces)
+		read_image(s, seen_depth(s), sizeof out->depth, out->depth);
+	for (uint32_t row = 0; row < stilb_gpu_plan_passes(plan); row++) {
+		const char *name = stilb_gpu_plan_row(plan, row)->name, *end = strrchr(name, ' ');
+		out->alone += end && (strcmp(end, " velocity") == 0 || strcmp(end, " ambient") == 0);
+	}
+}
+
+static void check_beside(stage *s)
+{
+	static frame_left alone, beside;
+	draw_left(s, true, &alone);
+	draw_left(s, false, &beside);
+	bool deferred =
+		s->view.lighting == STILB_RENDER_LIGHTING_DEFERRED || s->view.lighting == STILB_RENDER_LIGHTING_TILED_DEFERRED;
+	uint32_t own = deferred ? (uint32_t)s->view.surfaces + s->view.mirrors : 0;
+	if (alone.alone != 2 || beside.alone != own)
+		fail_msg("%s: %u and %u rows of their own", way_name(s), alone.alone, beside.alone);
+	for (uint32_t i = 0; i < LEFT; i++) {
+		if (alone.there[i] != beside.there[i])
+			fail_msg("%s: '%s' is there in one alone", way_name(s), kinds_left[i].name);
+		if (memcmp(alone.texels[i], beside.texels[i], sizeof alone.texels[i]) != 0)
+			fail_msg("%s: '%s' has other bits", way_name(s), kinds_left[i].name);
+	}
+	assert_memory_equal(alone.depth, beside.depth, sizeof alone.depth);
+	assert_memory_equal(alone.picture.pixels, beside.picture.pixels, stilb_image_size(&alone.picture));
+	stilb_image_finish(&alone.picture);
+	stilb_image_finish(&beside.picture);
+}
+
+/* Bit for bit what rows of their own draw, and where there is room no such rows. */
+static void beside_the_picture(void **state)
+{
+	(void)state;
+	stage s = open_squares(1);
+	reference_camera camera = reference_camera_at((dvec){-(double)WALK, 4, 0}, (dvec){-(double)WALK, 0, 0},
+	                                              (dvec){0, 0, -1}, 4.0, SIDE, SIDE);
+	stilb_mat4 last = reference_matrix(&camera);
+	s.view.last = &last;
+	s.view.ids = s.view.ambient_apart = s.view.surroundings.glossy = true;
+	static const stilb_render_lighting ways[] = {STILB_RENDER_LIGHTING_FORWARD, STILB_RENDER_LIGHTING_DEFERRED};
+	for (int w = 0; w < 2; w++) {
+		s.view.lighting = ways[w];
+		s.view.surfaces = s.view.mirrors = w == 0;
+		check_beside(&s);
+	}
+	stage_close(&s);
 }
 
 /* Who asks for nothing gets nothing, and what is left changes no bit of the picture. */
@@ -413,11 +500,9 @@ static void not_of_several_samples(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_is_seen),
-		cmocka_unit_test(nothing_unless_asked),
-		cmocka_unit_test(parts_and_their_sum),
-		cmocka_unit_test(parts_of_a_panorama),
-		cmocka_unit_test(a_part_that_is_replaced),
+		cmocka_unit_test(what_is_seen),           cmocka_unit_test(beside_the_picture),
+		cmocka_unit_test(nothing_unless_asked),   cmocka_unit_test(parts_and_their_sum),
+		cmocka_unit_test(parts_of_a_panorama),    cmocka_unit_test(a_part_that_is_replaced),
 		cmocka_unit_test(not_of_several_samples),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
