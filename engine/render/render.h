@@ -755,8 +755,8 @@ float stilb_render_light_peak(const stilb_scene *scene, const stilb_render_shadi
  * been set or prepared, unless it is there; frames go on meanwhile, and one that needs what is being compiled waits for
  * it. Read are the lights' number, kinds and falloffs, whether there are shadows, shadow_reading, lighting,
  * light_tolerance, light_fade, ambient, ambient_apart, surroundings, backdrop's kind, sides, shading, detail,
- * impostors, tone, show, whether it is a shadow's, and how, the target's kind, surfaces, ids, mirrors, and whether there
- * is a `last`. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
+ * impostors, tone, show, whether it is a shadow's, and how, the target's kind, surfaces, ids, mirrors, and whether
+ * there is a `last`. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);
 
 typedef enum stilb_render_pass_kind {

@@ -618,12 +618,12 @@ stilb_result render_velocity_begin(render_device *device, const struct render_st
 stilb_gpu_attachment render_velocity_depth(render_device *device, const stilb_render_view *view,
                                            render_frame_target *target);
 
-/* ---- render_beside.c: what is drawn beside the picture ------------------------------------------------------------ */
+/* ---- render_beside.c: what is drawn beside the picture ----------------------------------------------------------- */
 
 /* RENDER_BESIDE_... of what a view's passes draw: of what is seen, 0: nothing; of the surroundings' light; and of both
  * what rows that draw surfaces draw. What is not among it has rows of its own: of several samples a pixel; of channels
- * and counts in the place of light; of DEFERRED and TILED_DEFERRED normals and mirrors, for which their rows have no room;
- * and on devices that draw into fewer than eight images at once. */
+ * and counts in the place of light; of DEFERRED and TILED_DEFERRED normals and mirrors, for which their rows have no
+ * room; and on devices that draw into fewer than eight images at once. */
 uint32_t render_seen_bits(const stilb_render_view *view);
 uint32_t render_around_beside_bits(const render_device *device, const stilb_render_view *view);
 uint32_t render_beside_bits(const render_device *device, const stilb_render_view *view);

@@ -865,8 +865,8 @@ static stilb_result frame_apart(render_device *device, const render_stream *stre
 	return result == STILB_OK ? render_around_add(device, target, parts) : result;
 }
 
-/* What the rows of a scene pass that draw surfaces draw beside the picture. The first pass into a target decides whether
- * rows of their own draw what is seen. */
+/* What the rows of a scene pass that draw surfaces draw beside the picture. The first pass into a target decides
+ * whether rows of their own draw what is seen. */
 static uint32_t frame_beside(const render_device *device, const stilb_render_view *view,
                              const render_frame_target *target)
 {

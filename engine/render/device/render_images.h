@@ -25,8 +25,8 @@
  * whose view has `last`, of what does not blend; where nothing is, of what is infinitely far away. An output. */
 #define STILB_RENDER_IMAGE_VELOCITY "velocity"
 /* The depth by which that was decided, as "depth"; d32_f, one sample a pixel. There only where rows of their own draw
- * velocities: with several samples a pixel, of channels in the place of light, and with `surfaces` of views whose lights
- * are deferred; else it is "depth". */
+ * velocities: with several samples a pixel, of channels in the place of light, and with `surfaces` of views whose
+ * lights are deferred; else it is "depth". */
 #define STILB_RENDER_IMAGE_VELOCITY_DEPTH "velocity depth"
 
 /* Of the same surfaces as "velocity", by the same passes, of views with `surfaces`, or with `ids` the second one; one

@@ -791,7 +791,8 @@ static stilb_result prepare_surfaces(render_device *device, const stilb_render_v
 	return result == STILB_OK ? prepare_all_maps(device, view, choice, kinds, maps) : result;
 }
 
-/* Makes what draws the surroundings' light apart, and all other light of what is plain. beside: of render_beside_bits. */
+/* Makes what draws the surroundings' light apart, and all other light of what is plain. beside: as of
+ * render_beside_bits. */
 static stilb_result prepare_around(render_device *device, const stilb_render_view *view, uint32_t light_bits,
                                    uint32_t beside, uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
 {

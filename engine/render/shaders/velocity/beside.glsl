@@ -1,5 +1,5 @@
-// What programs that draw surfaces draw beside the picture, each into an image of its own where the constant `beside` has
-// its bit (device/render_beside.c): velocities, models, normals, and the surroundings' light apart from all other.
+// What programs that draw surfaces draw beside the picture, each into an image of its own where the constant `beside`
+// has its bit (device/render_beside.c): velocities, models, normals, and the surroundings' light apart from all other.
 // MESH_SEEN: programs that draw the first three alone.
 #ifdef MESH_GBUFFER
 #define BESIDE_FIRST 4 // behind the images of surfaces
