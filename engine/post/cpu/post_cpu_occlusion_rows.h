@@ -10,6 +10,7 @@
 
 #define SLICES 2
 #define STEPS 6
+#define LOOKS 2
 #define MOST 0.25f
 #define PI 3.14159265f
 
@@ -51,40 +52,78 @@ typedef struct rows_slice {
 	lanes first, reach, share;
 } rows_slice;
 
-/* Of the slice's part on one side of the view's direction; bent: the normal's angle to that side, with its cosine and
- * sine. */
-LANES_INLINE lanes rows_hidden(const occlusion_work *work, const rows_slice *s, lanes step_x, lanes step_y, lanes bent,
-                               lanes bent_cos, lanes bent_sin)
+/* The slice's part on one side of the view's direction; bent: the normal's angle to that side, with its cosine and
+ * sine. And what is hidden of it so far. */
+typedef struct rows_side {
+	lanes step_x, step_y, bent, bent_cos, bent_sin, by_share;
+	lanes sum, highest, open;
+} rows_side;
+
+/* What lies so far along it: its distance, the angle at which it rises, the integral up to there. */
+typedef struct rows_seen {
+	lanes_int inside;
+	lanes far, angle, left;
+} rows_seen;
+
+LANES_INLINE rows_seen rows_look(const occlusion_work *work, const rows_slice *s, const rows_side *side, lanes away)
 {
-	lanes by_share = 1.0f / s->share, highest = bent + 0.5f * PI, open = 0.5f * (bent_cos + highest * bent_sin),
-		  sum = lanes_all(0.0f);
-	float by_radius = 1.0f / work->radius;
+	rows_seen seen;
+	lanes x = s->x + lanes_round(side->step_x * away), y = s->y + lanes_round(side->step_y * away);
+	seen.inside = (x >= 0.0f) & (y >= 0.0f) & (x < (float)work->width) & (y < (float)work->height);
+	lanes depth = lanes_max(rows_depth(work, x, y), lanes_all(work->smallest));
+	lanes3 there = lanes3_subtract(rows_place(work, x + 0.5f, y + 0.5f, depth), s->place);
+	seen.far = lanes_max(lanes_root(lanes3_dot(there, there)), lanes_all(1e-9f));
+	lanes by_far = 1.0f / seen.far, up = lanes_clamp(lanes3_dot(there, s->view) * by_far, -1.0f, 1.0f);
+	lanes_int behind = (side->bent < 0.0f) | (up < side->bent_cos);
+	lanes from_normal = lanes_clamp(lanes3_dot(there, s->normal) * by_far * side->by_share, -1.0f, 1.0f);
+	lanes cosine = lanes_select(behind, from_normal, up), angle = lanes_acos(cosine);
+	lanes twice_sin = 2.0f * cosine * lanes_root(1.0f - cosine * cosine);
+	/* The cosine of twice the angle less bent. */
+	lanes twice =
+		side->bent_cos * (2.0f * cosine * cosine - 1.0f) + side->bent_sin * lanes_select(behind, -twice_sin, twice_sin);
+	seen.angle = lanes_select(behind, side->bent + angle, angle);
+	seen.left = 0.25f * (side->bent_cos + 2.0f * seen.angle * side->bent_sin - twice);
+	return seen;
+}
+
+/* For those texels that `here` has. */
+LANES_INLINE void rows_hide(const occlusion_work *work, rows_side *side, const rows_seen *seen, lanes_int here)
+{
+	lanes weight = lanes_clamp(1.0f - seen->far * (1.0f / work->radius), 0.0f, 1.0f);
+	lanes_int higher = here & (seen->angle < side->highest);
+	side->sum += lanes_select(higher, weight * (side->open - seen->left), lanes_all(0.0f));
+	side->highest = lanes_select(higher, seen->angle, side->highest);
+	side->open = lanes_select(higher, seen->left, side->open);
+}
+
+LANES_INLINE lanes rows_hidden(const occlusion_work *work, const rows_slice *s, rows_side *side)
+{
 	lanes_int inside = {-1, -1, -1, -1, -1, -1, -1, -1};
+	lanes before = lanes_all(0.0f);
+	side->by_share = 1.0f / s->share;
+	side->highest = side->bent + 0.5f * PI;
+	side->open = 0.5f * (side->bent_cos + side->highest * side->bent_sin);
+	side->sum = before;
 	for (int i = 0; i < STEPS; i++) {
-		lanes away = ((float)i + s->first) / (float)STEPS;
-		lanes length = lanes_max(away * away * s->reach, lanes_all((float)(i + 1)));
-		lanes x = s->x + lanes_round(step_x * length), y = s->y + lanes_round(step_y * length);
-		inside &= (x >= 0.0f) & (y >= 0.0f) & (x < (float)work->width) & (y < (float)work->height);
-		lanes depth = lanes_max(rows_depth(work, x, y), lanes_all(work->smallest));
-		lanes3 there = lanes3_subtract(rows_place(work, x + 0.5f, y + 0.5f, depth), s->place);
-		lanes far = lanes_max(lanes_root(lanes3_dot(there, there)), lanes_all(1e-9f)), by_far = 1.0f / far;
-		lanes up = lanes_clamp(lanes3_dot(there, s->view) * by_far, -1.0f, 1.0f);
-		lanes_int behind = (bent < 0.0f) | (up < bent_cos);
-		lanes from_normal = lanes_clamp(lanes3_dot(there, s->normal) * by_far * by_share, -1.0f, 1.0f);
-		lanes cosine = lanes_select(behind, from_normal, up), angle = lanes_acos(cosine);
-		lanes twice_sin = 2.0f * cosine * lanes_root(1.0f - cosine * cosine);
-		/* The cosine of twice the angle less bent. */
-		lanes twice =
-			bent_cos * (2.0f * cosine * cosine - 1.0f) + bent_sin * lanes_select(behind, -twice_sin, twice_sin);
-		angle = lanes_select(behind, bent + angle, angle);
-		lanes left = 0.25f * (bent_cos + 2.0f * angle * bent_sin - twice);
-		lanes weight = lanes_clamp(1.0f - far * by_radius, 0.0f, 1.0f);
-		lanes_int higher = inside & (angle < highest);
-		sum += lanes_select(higher, weight * (open - left), lanes_all(0.0f));
-		highest = lanes_select(higher, angle, highest);
-		open = lanes_select(higher, left, open);
+		lanes part = ((float)i + s->first) / (float)STEPS;
+		lanes away = lanes_max(part * part * s->reach, lanes_all((float)(i + 1))), low = before, high = away;
+		rows_seen seen = rows_look(work, s, side, away);
+		inside &= seen.inside;
+		for (int k = 0; k < LOOKS; k++) {
+			lanes_int between = inside & (seen.angle < side->highest) & (high - low > 1.0f);
+			if (!lanes_any(between))
+				break;
+			lanes middle = 0.5f * (low + high);
+			rows_seen nearer = rows_look(work, s, side, middle);
+			rows_hide(work, side, &nearer, between);
+			lanes_int within = nearer.far < work->radius;
+			low = lanes_select(within, middle, low);
+			high = lanes_select(within, high, middle);
+		}
+		rows_hide(work, side, &seen, inside);
+		before = away;
 	}
-	return sum;
+	return side->sum;
 }
 
 /* Visibility in one of the slices of eight texels. */
@@ -101,8 +140,9 @@ LANES_INLINE lanes rows_visible(const occlusion_work *work, rows_slice *s, lanes
 	lanes_int other = lanes3_dot(projected, tangent) < 0.0f;
 	bent = lanes_select(other, -bent, bent);
 	bent_sin = lanes_select(other, -bent_sin, bent_sin);
-	return s->share * (bent_cos + bent * bent_sin - rows_hidden(work, s, across, down, bent, bent_cos, bent_sin) -
-	                   rows_hidden(work, s, -across, -down, -bent, bent_cos, -bent_sin));
+	rows_side ahead = {.step_x = across, .step_y = down, .bent = bent, .bent_cos = bent_cos, .bent_sin = bent_sin};
+	rows_side back = {.step_x = -across, .step_y = -down, .bent = -bent, .bent_cos = bent_cos, .bent_sin = -bent_sin};
+	return s->share * (bent_cos + bent * bent_sin - rows_hidden(work, s, &ahead) - rows_hidden(work, s, &back));
 }
 
 /* Half turns of the texels of a cell of four times four, and how far their first step goes. */

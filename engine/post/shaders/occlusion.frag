@@ -12,6 +12,7 @@ layout(location = 0) out vec2 visible;
 
 const int SLICES = 2; // half planes through the view's direction, two each
 const int STEPS = 6;  // in each
+const int LOOKS = 2;  // between two steps
 const float MOST = 0.25; // of the picture's height that a step looks away
 
 ivec2 whole;
@@ -41,31 +42,78 @@ float arc(float angle, float bent)
 	return 0.25 * (cos(bent) + 2.0 * angle * sin(bent) - cos(2.0 * angle - bent));
 }
 
-// What things on one side of the view's direction hide of the slice. The higher ones farther away hide what the nearer
-// leave open, with the weight of their own distance. share: of the normal that lies in the slice.
-float hidden(ivec2 pixel, vec3 place, vec3 view, vec2 step, float first, float reach, vec3 normal, float share,
-	float bent)
+// The pixel that is asked.
+struct Asked {
+	ivec2 pixel;
+	vec3 place, view, normal;
+	float first, reach;
+};
+
+// A slice of it, on one side of the view's direction. share: of the normal that lies in it.
+struct Slice {
+	vec2 step;
+	float share, bent;
+};
+
+// What lies so many pixels away along the slice: its distance, and the angle at which it rises; inside: of the picture.
+struct Seen {
+	float far, angle;
+	bool inside;
+};
+
+Seen look(Asked asked, Slice slice, float away)
 {
-	float highest = bent + 0.5 * SHADE_PI, open = arc(highest, bent), sum = 0.0;
+	ivec2 at = asked.pixel + ivec2(round(slice.step * away));
+	bool inside = !any(lessThan(at, ivec2(0))) && !any(greaterThanEqual(at, whole));
+	vec3 there = occlusion_place(vec2(at) + 0.5, max(depth_at(at), push.smallest), size) - asked.place;
+	float far = max(length(there), 1e-9), angle = acos(clamp(dot(there, asked.view) / far, -1.0, 1.0));
+	// The pixel lies beside the slice. So the angle is measured from the normal: the surface itself is at right
+	// angles to that, wherever it is asked.
+	if (angle > slice.bent)
+		angle = slice.bent + acos(clamp(dot(there, asked.normal) / (far * slice.share), -1.0, 1.0));
+	return Seen(far, angle, inside);
+}
+
+// What is hidden of a slice so far, the lowest angle that is, and the integral up to there.
+struct Hidden {
+	float sum, highest, open;
+};
+
+// The higher things farther away hide what the nearer leave open, with the weight of their own distance.
+Hidden hide(Hidden hidden, Seen seen, float bent)
+{
+	if (seen.angle >= hidden.highest)
+		return hidden;
+	float left = arc(seen.angle, bent);
+	float weight = clamp(1.0 - seen.far / push.radius, 0.0, 1.0);
+	return Hidden(hidden.sum + weight * (hidden.open - left), seen.angle, left);
+}
+
+// What things hide of the slice. A step that meets something higher has passed over what is nearer and hides more, most
+// of it where a floor is seen at a slant: there it looks between, towards the last that lies within the radius.
+float hidden_of(Asked asked, Slice slice)
+{
+	float highest = slice.bent + 0.5 * SHADE_PI, before = 0.0;
+	Hidden hidden = Hidden(0.0, highest, arc(highest, slice.bent));
 	for (int i = 0; i < STEPS; i++) {
-		float away = (float(i) + first) / float(STEPS);
-		ivec2 at = pixel + ivec2(round(step * max(away * away * reach, float(i + 1))));
-		if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, whole)))
+		float part = (float(i) + asked.first) / float(STEPS), away = max(part * part * asked.reach, float(i + 1));
+		Seen seen = look(asked, slice, away);
+		if (!seen.inside)
 			break;
-		vec3 there = occlusion_place(vec2(at) + 0.5, max(depth_at(at), push.smallest), size) - place;
-		float far = max(length(there), 1e-9), angle = acos(clamp(dot(there, view) / far, -1.0, 1.0));
-		// The pixel lies beside the slice. So the angle is measured from the normal: the surface itself is at right
-		// angles to that, wherever it is asked.
-		if (angle > bent)
-			angle = bent + acos(clamp(dot(there, normal) / (far * share), -1.0, 1.0));
-		if (angle < highest) {
-			float left = arc(angle, bent);
-			sum += clamp(1.0 - far / push.radius, 0.0, 1.0) * (open - left);
-			highest = angle;
-			open = left;
+		float low = before, high = away;
+		for (int k = 0; k < LOOKS && seen.angle < hidden.highest && high - low > 1.0; k++) {
+			float middle = 0.5 * (low + high);
+			Seen between = look(asked, slice, middle);
+			hidden = hide(hidden, between, slice.bent);
+			if (between.far < push.radius)
+				low = middle;
+			else
+				high = middle;
 		}
+		hidden = hide(hidden, seen, slice.bent);
+		before = away;
 	}
-	return sum;
+	return hidden.sum;
 }
 
 void main()
@@ -90,6 +138,7 @@ void main()
 	// Sixteen texels that lie together ask sixteen directions, four of them each distance.
 	ivec2 cell = texel & 3;
 	float turn = float((cell.x * 4 + cell.y * 9) & 15) / 16.0, first = (float((cell.x + 2 * cell.y) & 3) + 0.5) / 4.0;
+	Asked asked = Asked(pixel, place, view, normal, first, reach);
 	float sum = 0.0;
 	for (int s = 0; s < SLICES; s++) {
 		float angle = SHADE_PI * (float(s) + turn) / float(SLICES);
@@ -101,8 +150,7 @@ void main()
 		float bent = acos(clamp(dot(projected, view) / share, 0.0, 1.0));
 		bent = dot(projected, tangent) < 0.0 ? -bent : bent;
 		sum += share * (arc(bent + 0.5 * SHADE_PI, bent) + arc(0.5 * SHADE_PI - bent, -bent) -
-			hidden(pixel, place, view, step, first, reach, normal, share, bent) -
-			hidden(pixel, place, view, -step, first, reach, normal, share, -bent));
+			hidden_of(asked, Slice(step, share, bent)) - hidden_of(asked, Slice(-step, share, -bent)));
 	}
 	visible.x = sum / float(SLICES); // of slices along a slant above 1: their mean over all directions is at most that
 }
