@@ -226,6 +226,7 @@ typedef struct engine_shadows {
 	stilb_render_shadow *lights;
 	bool told, told_cameras; /* that lights have none; what cameras beside see */
 	bool told_buffer;        /* that lights are too many for the buffer */
+	uint32_t room;           /* texels of maps' sides at most, as memory has no room for more; 0: none was short */
 	/* What the maps of the frame before show: of the scene as it was then. */
 	bool valid, loading;
 	uint64_t impostors_removed;

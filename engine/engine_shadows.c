@@ -206,6 +206,8 @@ stilb_engine_shadows stilb_engine_shadows_used(const stilb_engine *engine)
 		desc.cascades = software ? 2 : 4;
 	if (desc.size == 0)
 		desc.size = software ? 1024 : 2048;
+	if (engine->shadows.room > 0 && desc.size > engine->shadows.room)
+		desc.size = engine->shadows.room;
 	if (desc.samples == 0)
 		desc.samples = desc.filter == STILB_ENGINE_SHADOW_FILTER_COMPARE ? 12 : 16;
 	return desc;
@@ -226,6 +228,7 @@ stilb_render_shadow_reading engine_shadows_reading(const stilb_engine *engine)
 	return (stilb_render_shadow_reading){
 		.no_plane = !all && desc.bias != STILB_ENGINE_SHADOW_BIAS_PLANE,
 		.no_way = !all && desc.bias != STILB_ENGINE_SHADOW_BIAS_WAY,
+		.things = desc.objects,
 		.taps = desc.filter == STILB_ENGINE_SHADOW_FILTER_COMPARE ? desc.samples : 0,
 		.buffer = desc.kind == STILB_ENGINE_SHADOWS_BUFFER,
 	};
@@ -290,6 +293,22 @@ static stilb_result shadows_hand_on_none(stilb_engine *engine)
 	return result;
 }
 
+/* What the plan's maps are drawn into. */
+static stilb_render_target shadows_target(const engine_shadows *shadows, const stilb_engine_shadows *desc)
+{
+	/* So that the image stays when pages come and go, it grows by doubling, and shrinks when a quarter will do. */
+	uint16_t layers = 2, had = shadows->target.width == desc->size ? shadows->target.layers : 0;
+	while (layers < shadows->plan.page_count)
+		layers *= 2;
+	layers = layers < had && layers * 4 > had ? had : layers;
+	return (stilb_render_target){.name = STILB_RENDER_IMAGE_SHADOW,
+	                             .kind = STILB_RENDER_TARGET_DEPTH,
+	                             .width = desc->size,
+	                             .height = desc->size,
+	                             .layers = layers,
+	                             .lasting = true};
+}
+
 /* Hands the plan to the views of cameras. */
 static stilb_result shadows_hand_on(stilb_engine *engine, const stilb_engine_shadows *desc,
                                     const stilb_shadow_view *view)
@@ -306,17 +325,7 @@ static stilb_result shadows_hand_on(stilb_engine *engine, const stilb_engine_sha
 			.view_projection = from->view_projection, .layer = from->page, .blend = from->blend, .far = from->far};
 		memcpy(maps[m].area, from->area, sizeof maps[m].area);
 	}
-	/* So that the image stays when pages come and go, it grows by doubling, and shrinks when a quarter will do. */
-	uint16_t layers = 2, had = shadows->target.width == desc->size ? shadows->target.layers : 0;
-	while (layers < plan->page_count)
-		layers *= 2;
-	layers = layers < had && layers * 4 > had ? had : layers;
-	stilb_render_target target = {.name = STILB_RENDER_IMAGE_SHADOW,
-	                              .kind = STILB_RENDER_TARGET_DEPTH,
-	                              .width = desc->size,
-	                              .height = desc->size,
-	                              .layers = layers,
-	                              .lasting = true};
+	stilb_render_target target = shadows_target(shadows, desc);
 	stilb_result result = shadows_hand_on_lights(engine);
 	if (result == STILB_OK)
 		result = shadows_find_stays(engine, view, &target);
@@ -379,6 +388,45 @@ static void shadows_tell_cameras(stilb_engine *engine)
 	          (double)engine->desc.shadows.distance);
 }
 
+/* Plans the maps of a size. */
+static stilb_result shadows_plan(stilb_engine *engine, const stilb_engine_shadows *desc, const stilb_shadow_view *view)
+{
+	const stilb_render_view *seen = &engine->views[0];
+	uint32_t pages = SHADOWS_BYTES / (4 * desc->size * desc->size), filter = shadows_filter(desc);
+	stilb_shadow_desc plan = {.page = desc->size,
+	                          .pages = pages < SHADOWS_PAGES ? pages : SHADOWS_PAGES,
+	                          .maps = ENGINE_MAX_SHADOWS,
+	                          .cascades = desc->cascades,
+	                          .distance = desc->distance,
+	                          .objects = desc->objects,
+	                          .filter = filter > 0 ? filter : 1,
+	                          .fade = fmaxf(SHADOWS_FADE, 2.0f * seen->light_fade),
+	                          .keep = true};
+	stilb_result result = stilb_shadow_plan_make(&engine->shadows.plan, &plan, view, seen->lights, seen->light_count);
+	shadows_tell_left(&engine->shadows, plan.pages);
+	return result;
+}
+
+/* Plans the maps, and has the device make their image. Where memory is short maps are half as large, from now on. */
+static stilb_result shadows_plan_in_room(stilb_engine *engine, stilb_engine_shadows *desc,
+                                         const stilb_shadow_view *view)
+{
+	engine_shadows *shadows = &engine->shadows;
+	stilb_result result = shadows_plan(engine, desc, view);
+	while (result == STILB_OK && shadows->plan.map_count > 0) {
+		stilb_render_target target = shadows_target(shadows, desc);
+		result = stilb_render_reserve_target(engine->render, &target);
+		if (result != STILB_ERROR_MEMORY || desc->size <= STILB_SHADOW_MIN_SIZE)
+			break;
+		shadows->valid = false; /* what was in the image has gone */
+		desc->size = shadows->room = desc->size / 2;
+		stilb_log("%s; shadow maps have %u texels a side now, in place of %u: --cascade-size %u says so from the start",
+		          stilb_error_message(), desc->size, 2 * desc->size, desc->size);
+		result = shadows_plan(engine, desc, view);
+	}
+	return result;
+}
+
 stilb_result engine_shadows_frame(stilb_engine *engine)
 {
 	engine_shadows *shadows = &engine->shadows;
@@ -394,16 +442,6 @@ stilb_result engine_shadows_frame(stilb_engine *engine)
 	if (desc.kind == STILB_ENGINE_SHADOWS_OFF || !lit || !shadows_bounds(shadows, engine->scene))
 		return STILB_OK;
 	shadows->valid = valid;
-	uint32_t pages = SHADOWS_BYTES / (4 * desc.size * desc.size);
-	stilb_shadow_desc plan = {.page = desc.size,
-	                          .pages = pages < SHADOWS_PAGES ? pages : SHADOWS_PAGES,
-	                          .maps = ENGINE_MAX_SHADOWS,
-	                          .cascades = desc.cascades,
-	                          .distance = desc.distance,
-	                          .objects = desc.objects,
-	                          .filter = shadows_filter(&desc) > 0 ? shadows_filter(&desc) : 1,
-	                          .fade = fmaxf(SHADOWS_FADE, 2.0f * seen->light_fade),
-	                          .keep = true};
 	stilb_shadow_view view = {.view_projection = seen->view_projection,
 	                          .height = engine->targets[0].height,
 	                          .bounds = shadows->bounds,
@@ -411,8 +449,7 @@ stilb_result engine_shadows_frame(stilb_engine *engine)
 	memcpy(view.camera_position, seen->camera_position, sizeof view.camera_position);
 	if (desc.objects)
 		view.near = shadows_near(engine->scene, seen->camera_position, desc.distance);
-	stilb_result result = stilb_shadow_plan_make(&shadows->plan, &plan, &view, seen->lights, seen->light_count);
-	shadows_tell_left(shadows, plan.pages);
+	stilb_result result = shadows_plan_in_room(engine, &desc, &view);
 	shadows_tell_cameras(engine);
 	shadows_tell_buffer(shadows, &desc);
 	if (result != STILB_OK || shadows->plan.map_count == 0) {
@@ -465,6 +502,7 @@ void engine_shadows_drawn(stilb_engine *engine)
 void engine_shadows_forget(engine_shadows *shadows)
 {
 	shadows->valid = shadows->told = shadows->told_cameras = shadows->told_buffer = false;
+	shadows->room = 0;
 	shadows->scene = NULL;
 	shadows->bounds = (stilb_sphere){0};
 }

@@ -176,6 +176,20 @@ static stilb_result update_scene(stilb_engine *engine)
 	return result == STILB_OK ? engine_shadows_frame(engine) : result;
 }
 
+/* stilb_job_range_fn: takes from what views begin .. end - 1 see those models that are not for them. */
+static void leave_out(uint32_t begin, uint32_t end, uint32_t worker, void *user)
+{
+	stilb_engine *engine = user;
+	(void)worker;
+	for (uint32_t v = begin; v < end; v++) {
+		uint32_t flag = engine->views[v].shadow ? STILB_SCENE_MODEL_CASTS_NO_SHADOW : STILB_SCENE_MODEL_UNSEEN;
+		stilb_cull_visible *visible = &engine->visible[v];
+		visible->count = stilb_scene_leave_out(engine->scene, flag, visible->ids, visible->count);
+		if (engine->views[v].shadow)
+			engine_shadows_leave_out(engine, v, visible);
+	}
+}
+
 /* Finds what each view sees. */
 static stilb_result see_views(stilb_engine *engine)
 {
@@ -185,13 +199,8 @@ static stilb_result see_views(stilb_engine *engine)
 		frusta[v] = stilb_frustum_from_matrix(&engine->views[v].view_projection);
 	stilb_result result = stilb_cull_run_views(engine->cull, engine->desc.cull, scene, frusta, engine->view_count,
 	                                           engine->pool, FRAME_OWNER, engine->visible);
-	for (uint32_t v = 0; v < engine->view_count && result == STILB_OK; v++) {
-		uint32_t flag = engine->views[v].shadow ? STILB_SCENE_MODEL_CASTS_NO_SHADOW : STILB_SCENE_MODEL_UNSEEN;
-		stilb_cull_visible *visible = &engine->visible[v];
-		visible->count = stilb_scene_leave_out(scene, flag, visible->ids, visible->count);
-		if (engine->views[v].shadow)
-			engine_shadows_leave_out(engine, v, visible);
-	}
+	if (result == STILB_OK)
+		stilb_job_parallel_for(engine->pool, engine->view_count, 1, leave_out, engine, FRAME_OWNER);
 	return result;
 }
 

@@ -18,6 +18,16 @@ static const bench_metric lamps_metrics[] = {
 	{"ratio-without", "x", true, NULL},
 };
 
+static const bench_metric views_metrics[] = {
+	{"maps", "k", true, NULL}, {"frame", "ms", true, NULL}, {"record", "ms", true, NULL}};
+
+static const bench_metric cube_metrics[] = {{"maps", "k", true, NULL},
+                                            {"six", "ms", true, NULL},
+                                            {"layered", "ms", true, NULL},
+                                            {"record-six", "ms", true, NULL},
+                                            {"record-layered", "ms", true, NULL},
+                                            {"ratio", "x", true, NULL}};
+
 static const bench_case cases[] = {
 	{.name = "triangles-225",
      .title = "three cascades of 1024 texels, 225 spheres, 1280 x 720",
@@ -31,6 +41,18 @@ static const bench_case cases[] = {
      .title = "three cascades of 1024 texels, 10,000 spheres, 1280 x 720",
      .metrics = triangles_metrics,
      .metric_count = COUNT(triangles_metrics)},
+	{.name = "views-225",
+     .title = "drawing three cascades of 1024 texels, 225 spheres without levels of detail, a tenth moves",
+     .metrics = views_metrics,
+     .metric_count = COUNT(views_metrics)},
+	{.name = "views-1000",
+     .title = "the same, 1,000 spheres",
+     .metrics = views_metrics,
+     .metric_count = COUNT(views_metrics)},
+	{.name = "cube-1000",
+     .title = "six sides of a cube of 512 texels, 1,000 spheres: six views, or one recording with layers",
+     .metrics = cube_metrics,
+     .metric_count = COUNT(cube_metrics)},
 	{.name = "record",
      .title = "recording of eight cascades, 10,000 spheres that move",
      .metrics = record_metrics,
@@ -50,7 +72,10 @@ static const bench_subject subjects[] = {
          "recording and culling for each draw of the camera's view and of the maps; two: two threads over one; "
          "still, moving: lights whose maps a frame draws under a camera that stands still and under one that moves, "
          "at most; of-8, of-64: CPU time of a frame with so many lamps, as many of them at a point; ratio-without: "
-         "without shadows"},
+         "without shadows; of views: CPU time of a frame with maps less one without"},
+	{.name = "vulkan_bare",
+     .program = "stilb-bench-shadows-bare",
+     .note = "a plain Vulkan program that draws the same maps, and nothing else; record: what its one thread does"},
 };
 
 typedef struct goal {

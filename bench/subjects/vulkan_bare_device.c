@@ -43,6 +43,7 @@ static void make_device(bare *b)
 		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
 		.pNext = &v13,
 		.bufferDeviceAddress = VK_TRUE,
+		.shaderOutputLayer = VK_TRUE,
 	};
 	VkPhysicalDeviceFeatures features = {.multiDrawIndirect = VK_TRUE, .drawIndirectFirstInstance = VK_TRUE};
 	VkDeviceQueueCreateInfo queue = {

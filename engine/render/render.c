@@ -169,6 +169,12 @@ bool stilb_render_device_is_software(const stilb_render *render)
 	return stilb_gpu_is_software(render->device->gpu);
 }
 
+stilb_result stilb_render_reserve_target(stilb_render *render, const stilb_render_target *target)
+{
+	STILB_ASSERT(render && target && target->kind == STILB_RENDER_TARGET_DEPTH && target->lasting);
+	return render_target_reserve(render->device, target);
+}
+
 uint32_t stilb_render_samples(const stilb_render *render)
 {
 	return render->device->samples;

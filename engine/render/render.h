@@ -596,6 +596,10 @@ typedef struct stilb_render_target {
 	bool lasting;
 } stilb_render_target;
 
+/* Makes the image of a lasting target before the frame that draws it, or leaves it, if it is as large. On failure there
+ * is none, and a smaller one can be tried: STILB_ERROR_MEMORY, ... [one-writer], before the frame is replayed */
+stilb_result stilb_render_reserve_target(stilb_render *render, const stilb_render_target *target);
+
 /* ---- shadows ---- */
 
 /* A map: depth as a light sees it, which a view has drawn into a rectangle of a layer of the shadows' target. */
@@ -641,6 +645,8 @@ typedef struct stilb_render_shadows {
 typedef struct stilb_render_shadow_reading {
 	bool no_plane; /* texels are compared with the point's own depth */
 	bool no_way;   /* the point stays where it is: surfaces are not off */
+	bool
+		things; /* directional lights' maps have some things alone: besides, STILB_RENDER_IMAGE_MASK keeps light back */
 	uint32_t
 		taps; /* 1, 4, 12: so many comparisons, each of the four texels around a place, in a pattern that alternates
 	                  from pixel to pixel, in place of the filter, whose width the bias has. 0: none */

@@ -81,12 +81,13 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_SHADOW_ACNE 2u     /* and _ACNE */
 #define RENDER_SHADOW_NO_PLANE 4u /* as of stilb_render_shadow_reading */
 #define RENDER_SHADOW_NO_WAY 8u
-#define RENDER_SHADOW_FLAT 16u   /* stilb_render_view.shadow_flat */
-#define RENDER_SHADOW_BUFFER 32u /* shares come from the buffer */
-#define RENDER_SHADOW_MASK 64u   /* besides _TERMS: there is STILB_RENDER_IMAGE_MASK */
-#define RENDER_SHADOW_TERMS 128u /* the buffer is drawn */
-#define RENDER_SHADOW_TAPS 256u  /* so many comparisons come in these */
-#define RENDER_SHADOW_LAYER 4u   /* lights of a layer of the buffer */
+#define RENDER_SHADOW_FLAT 16u    /* stilb_render_view.shadow_flat */
+#define RENDER_SHADOW_BUFFER 32u  /* shares come from the buffer */
+#define RENDER_SHADOW_MASK 64u    /* besides _TERMS: there is STILB_RENDER_IMAGE_MASK */
+#define RENDER_SHADOW_TERMS 128u  /* the buffer is drawn */
+#define RENDER_SHADOW_THINGS 256u /* stilb_render_shadow_reading.things */
+#define RENDER_SHADOW_TAPS 512u   /* so many comparisons come in these */
+#define RENDER_SHADOW_LAYER 4u    /* lights of a layer of the buffer */
 
 #define RENDER_LIGHTS_END 64u            /* some have a falloff that is not physical */
 #define RENDER_LIGHTS_GLOSS 128u         /* highlights mirror sky and ground */
@@ -618,8 +619,9 @@ uint32_t render_shadow_bits(const stilb_render_view *view);
 bool render_view_has_buffer(const render_device *device, const stilb_render_view *view);
 /* RENDER_SHADOW_... of programs that draw that; mask: they read STILB_RENDER_IMAGE_MASK. */
 uint32_t render_terms_shadow_bits(uint32_t shadow_bits, bool mask);
-/* Bits of these programs. */
+/* Bits of these programs; _image: of the one that draws it by the images of surfaces, where the view has these. */
 uint32_t render_terms_bits(uint32_t light_bits);
+uint32_t render_terms_image_bits(const stilb_render_view *view, uint32_t light_bits);
 
 /* ---- device/render_deferred.c ---- */
 
@@ -628,6 +630,8 @@ void render_deferred_attach(render_device *device, const stilb_render_view *view
                             stilb_gpu_pass *row);
 /* render_view_data.far of the view. */
 float render_deferred_far(const stilb_render_view *view);
+/* Adds the images of surfaces and their depth to a row that lights them: its first uses. bits: render_deferred_bits. */
+void render_deferred_use_surfaces(const render_frame_target *target, uint32_t bits, stilb_gpu_pass *row);
 /* Adds the rows of the stream's lights. */
 stilb_result render_deferred_lights(render_device *device, const struct render_stream *stream,
                                     render_frame_target *target, const render_push *push);

@@ -43,7 +43,8 @@ bool shadow_keep(const stilb_shadow_plan *plan, shadow_lamp *lamps, uint32_t cou
 void shadow_sun_fit(const stilb_shadow_desc *desc, const stilb_shadow_view *view, const float direction[3],
                     stilb_shadow_map *maps);
 
-/* The camera's direction and how wide it sees; false: its picture is a parallel projection, which has no distance. */
+/* The camera's direction and how wide it sees; false: its picture is a parallel projection, which has no width that
+ * grows. */
 bool shadow_lens(const stilb_shadow_view *view, double ahead[3], double *slant);
 
 /* ---- shadow_casters.c ---- */

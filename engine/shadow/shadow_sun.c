@@ -41,6 +41,13 @@ static sun_sphere sun_sphere_of(const stilb_shadow_view *view, const double ahea
 	return sphere;
 }
 
+/* All that is so near to a parallel view's camera, which sees as far behind it as its matrix says. */
+static sun_sphere sun_sphere_around(const stilb_shadow_view *view, double far)
+{
+	const float *p = view->camera_position;
+	return (sun_sphere){{(double)p[0], (double)p[1], (double)p[2]}, far};
+}
+
 /* A sphere that holds the near things; its radius is one of few, so that the map's texels stay as large. */
 static sun_sphere sun_objects(const stilb_shadow_view *view)
 {
@@ -104,13 +111,16 @@ void shadow_sun_fit(const stilb_shadow_desc *desc, const stilb_shadow_view *view
 	float right[3], up[3];
 	shadow_axes(direction, right, up);
 	for (uint32_t c = 0; c < desc->cascades; c++) {
-		bool last = c + 1 == desc->cascades, whole = (last && !(desc->distance > 0.0f)) || !lens;
+		bool last = c + 1 == desc->cascades, whole = last && !(desc->distance > 0.0f);
 		double far = sun_end(desc, view, c), blend = whole ? 0.0 : (double)SHADOW_BLEND * size;
 		sun_sphere sphere = {{(double)view->bounds.x, (double)view->bounds.y, (double)view->bounds.z},
 		                     (double)view->bounds.radius};
-		bool ends = !whole && !view->others && !desc->objects; /* who else looks sees what is behind */
+		/* Who else looks sees what is behind, and so may a parallel view. */
+		bool ends = !whole && lens && !view->others && !desc->objects;
 		if (!whole)
-			sphere = desc->objects ? sun_objects(view) : sun_sphere_of(view, ahead, slant, near, far);
+			sphere = desc->objects ? sun_objects(view)
+			         : lens        ? sun_sphere_of(view, ahead, slant, near, far)
+			                       : sun_sphere_around(view, far);
 		maps[c].view_projection =
 			sun_matrix(view, &sphere, right, up, direction, size, size - 2.0 * (desc->filter + blend), ends);
 		maps[c].blend = (float)blend;

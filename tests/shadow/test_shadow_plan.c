@@ -173,6 +173,61 @@ static void cascades_hold_what_they_promise(void **state)
 	stilb_shadow_plan_finish(&plan);
 }
 
+/* A parallel view: x and y within half a size, and depth from `behind` metres before the camera to as many past it. */
+static stilb_shadow_view view_parallel(double half, double behind)
+{
+	stilb_shadow_view view = view_somewhere();
+	const float *p = view.camera_position;
+	stilb_mat4 turn =
+		stilb_mat4_view(stilb_vec3_make(p[0], p[1], p[2]), (float)uniform(0.0, 6.28), (float)uniform(-1.4, 1.4));
+	stilb_mat4 lens = {{0}};
+	lens.m[0] = (float)(1.0 / half);
+	lens.m[5] = (float)(-1.0 / half);
+	lens.m[10] = (float)(0.5 / behind);
+	lens.m[14] = 0.5f;
+	lens.m[15] = 1.0f;
+	view.view_projection = stilb_mat4_multiply(lens, turn);
+	return view;
+}
+
+/* What a parallel view sees nearer than the distance is in one of its cascades, before and behind the camera, and each
+ * is larger than the one before; without a distance the last one holds the whole scene. */
+static void parallel_views_have_cascades(void **state)
+{
+	(void)state;
+	stilb_shadow_plan plan = {0};
+	for (int v = 0; v < RANDOM_VIEWS; v++) {
+		double behind = uniform(5.0, 60.0);
+		stilb_shadow_view view = view_parallel(uniform(1.0, 20.0), behind);
+		stilb_shadow_desc desc = {.page = 256, .pages = 8, .maps = 8, .cascades = 3, .filter = 1 + v % 3};
+		stilb_scene_light light = sun();
+		desc.distance = v % 4 == 0 ? 0.0f : (float)uniform(5.0, 100.0);
+		plan_of(&plan, &desc, &view, &light, 1);
+		assert_true(plan.maps[2].far == desc.distance);
+		stilb_mat4 back = stilb_mat4_inverse(&view.view_projection);
+		for (int p = 0; p < 50; p++) {
+			double clip[4] = {uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(0.0, 1.0), 1.0}, point[3], at[4],
+				   away = 0.0;
+			for (int i = 0; i < 3; i++) {
+				point[i] = 0.0;
+				for (int c = 0; c < 4; c++)
+					point[i] += (double)back.m[4 * c + i] * clip[c];
+				away += pow(point[i] - (double)view.camera_position[i], 2.0);
+			}
+			for (uint32_t c = 0; c < 3; c++) {
+				const stilb_shadow_map *map = &plan.maps[c];
+				place_of(map, point, at);
+				if (map->far > 0.0f && sqrt(away) < (double)map->far)
+					assert_true(inside(map, at) - desc.filter - (double)map->blend >= -0.01);
+				assert_true(map->caster_count == 0);
+			}
+		}
+		for (uint32_t c = 1; c < 3; c++)
+			assert_true(plan.maps[c].far == 0.0f || plan.maps[c].far > plan.maps[c - 1].far);
+	}
+	stilb_shadow_plan_finish(&plan);
+}
+
 /* A map of near things holds the sphere around them, by texels of few sizes, and ends at the distance. Of nothing there
  * is none, and nothing is counted. */
 static void near_things_have_a_map(void **state)
@@ -672,10 +727,52 @@ static void lamps_keep_their_places(void **state)
 	stilb_shadow_plan_finish(&fresh);
 }
 
+/* A figure close to a lamp that reaches far, near the camera: while there is room for its map, a texel covers at most four
+ * pixels of the picture there. */
+static void near_figures_have_fine_texels(void **state)
+{
+	(void)state;
+	stilb_shadow_plan plan = {0};
+	double worst = 0.0;
+	for (int v = 0; v < RANDOM_VIEWS; v++) {
+		stilb_shadow_view view = {.height = v % 2 ? 360 : 1080, .bounds = {0.0f, 0.0f, 0.0f, 40.0f}};
+		stilb_shadow_desc desc = {.page = 4096, .pages = 8, .maps = 8, .cascades = 1, .filter = 2};
+		stilb_scene_light light = lamp(v % 3 ? STILB_SCENE_LIGHT_POINT : STILB_SCENE_LIGHT_SPOT);
+		double fov = uniform(0.5, 1.4), close = uniform(0.3, 2.0), before = uniform(1.5, 6.0), figure[3], at[3];
+		light.reach = (float)uniform(8.0, 30.0);
+		for (int i = 0; i < 3; i++) {
+			figure[i] = (double)light.position[i] + close * (double)light.direction[i];
+			at[i] = figure[i] + (i == 2 ? before : 0.0);
+		}
+		look(&view, at, 0.0, 0.0, fov);
+		plan_of(&plan, &desc, &view, &light, 1);
+		assert_true(plan.map_count > 0 && plan.halved == 0);
+		double pixel = before * 2.0 * tan(0.5 * fov) / view.height, finest = HUGE_VAL;
+		for (uint32_t m = 0; m < plan.map_count; m++) {
+			double here[4], texels = 0.0;
+			place_of(&plan.maps[m], figure, here);
+			if (!(here[3] > 0.0) || inside(&plan.maps[m], here) < 0.0)
+				continue;
+			for (int axis = 0; axis < 3; axis++) { /* across the light's rays at least one axis lies well */
+				double moved[3] = {figure[0], figure[1], figure[2]}, there[4];
+				moved[axis] += 1e-3;
+				place_of(&plan.maps[m], moved, there);
+				texels = fmax(texels, hypot(there[0] - here[0], there[1] - here[1]));
+			}
+			finest = fmin(finest, 1e-3 / texels);
+		}
+		worst = fmax(worst, finest / pixel);
+	}
+	print_message("a texel covers %.2f pixels at most\n", worst);
+	assert_true(worst <= 4.0);
+	stilb_shadow_plan_finish(&plan);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(cascades_hold_what_they_promise),
+		cmocka_unit_test(parallel_views_have_cascades),
 		cmocka_unit_test(near_things_have_a_map),
 		cmocka_unit_test(nearer_to_the_light_is_larger),
 		cmocka_unit_test(maps_move_by_whole_texels),
@@ -686,6 +783,7 @@ int main(void)
 		cmocka_unit_test(small_lamps_have_none),
 		cmocka_unit_test(casters_are_those_of_what_is_seen),
 		cmocka_unit_test(lamps_keep_their_places),
+		cmocka_unit_test(near_figures_have_fine_texels),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -133,23 +133,28 @@ static void deferred_colors(deferred_rows *rows, stilb_gpu_pass *row)
 	rows->begun = true;
 }
 
+void render_deferred_use_surfaces(const render_frame_target *target, uint32_t bits, stilb_gpu_pass *row)
+{
+	uint8_t images = bits & RENDER_LIGHTS_APART ? 1 : RENDER_GBUFFER_IMAGES;
+	row->uses[0] = (stilb_gpu_use){.resource = target->depth, .how = STILB_GPU_USE_SAMPLED};
+	for (uint8_t i = 0; i < images; i++)
+		row->uses[1 + i] =
+			(stilb_gpu_use){.resource = target->surfaces[i], .how = STILB_GPU_USE_SAMPLED, .slot = (uint16_t)(1 + i)};
+	row->use_count = 1 + images;
+}
+
 /* A row that adds light: what it reads and draws into. */
 static stilb_gpu_pass deferred_pass(deferred_rows *rows)
 {
 	const render_frame_target *target = rows->target;
-	uint32_t images = rows->bits & RENDER_LIGHTS_APART ? 1 : RENDER_GBUFFER_IMAGES;
 	stilb_gpu_pass row = {
 		.name = target->lights,
 		.kind = STILB_GPU_PASS_FULLSCREEN,
 		.program = rows->program.id,
-		.use_count = 1,
-		.uses = {{.resource = target->depth, .how = STILB_GPU_USE_SAMPLED}},
 		.constant_bytes = sizeof *rows->push,
 	};
 	deferred_colors(rows, &row);
-	for (uint32_t i = 0; i < images; i++)
-		row.uses[row.use_count++] =
-			(stilb_gpu_use){.resource = target->surfaces[i], .how = STILB_GPU_USE_SAMPLED, .slot = (uint16_t)(1 + i)};
+	render_deferred_use_surfaces(target, rows->bits, &row);
 	row.uses[row.use_count] = rows->shadows;
 	row.uses[row.use_count].slot = row.use_count;
 	row.use_count++;

@@ -162,6 +162,7 @@ extern const stilb_gpu_shader render_function_vertex[2][2][2], render_function_c
 /* Of surfaces that are lit later, as render_mesh_fragment and [gloss][extras]; and of the pass that does. */
 extern const stilb_gpu_shader render_gbuffer_mesh_fragment[2][RENDER_SURFACES], render_gbuffer_maps_fragment[2][2];
 extern const stilb_gpu_shader render_deferred_fragment[2]; /* [1: whose surfaces are drawn again] */
+extern const stilb_gpu_shader render_deferred_terms_fragment[2];
 /* Of surfaces whose light is added up before they are drawn again: of the first time without what mirrors the panorama;
  * of the second as _gbuffer_... */
 extern const stilb_gpu_shader render_slim_mesh_fragment[RENDER_SURFACES], render_slim_maps_fragment[2];
@@ -645,6 +646,8 @@ stilb_result render_around_add(render_device *device, const render_frame_target 
 
 /* The frame's images for a view's target, or NULL: for the main ones; made when they are first asked for. */
 render_frame_target *render_target_get(render_device *device, const stilb_render_target *target);
+/* Makes the image of a lasting target, unless it is there. */
+stilb_result render_target_reserve(render_device *device, const stilb_render_target *target);
 /* The number of a list without draws among the frame's: of passes that clear alone. */
 uint32_t render_target_nothing(render_device *device);
 /* The name of what the target has besides colour and depth: of the main images `what`, else it stands behind the

@@ -113,6 +113,9 @@ static render_view_push frame_write_view(render_device *device, const render_str
 		.rest = slot->views.address + index * sizeof(render_view_data),
 	};
 	frame_copy3(push.camera_position, view->camera_position);
+	const float *m = view->view_projection.m;
+	bool parallel = m[3] == 0.0f && m[7] == 0.0f && m[11] == 0.0f;
+	push.camera_position[3] = parallel ? m[15] : 0.0f;
 	return push;
 }
 
@@ -672,25 +675,52 @@ static stilb_result frame_multipass(render_device *device, const render_stream *
 	return STILB_OK;
 }
 
+/* Makes the row that draws the buffer of shadows: of what is plain once more, or, where there are images of surfaces,
+ * over the picture. */
+static stilb_result frame_terms_row(render_device *device, const render_stream *terms,
+                                    const render_frame_target *target, stilb_gpu_pass *row)
+{
+	render_way way = render_view_way(device, terms->view);
+	bool images = way.surfaces || way.apart;
+	render_formula_programs *choice;
+	uint32_t list, bits = terms->lights.bits;
+	stilb_result result =
+		render_programs_choose(device, &terms->view->shading, bits, terms->lights.shadow_bits,
+	                           images ? 0 : terms->kinds, images ? 0 : frame_surfaces(terms), &choice);
+	if (result == STILB_OK && images)
+		result = render_programs_deferred(device, choice, false);
+	else if (result == STILB_OK)
+		result = frame_list(device, terms, (frame_part){0, terms->run_count}, FRAME_DRAWS_PLAIN, choice, &list);
+	if (result != STILB_OK)
+		return result;
+	if (images) {
+		*row = (stilb_gpu_pass){
+			.name = "shadow buffer", .kind = STILB_GPU_PASS_FULLSCREEN, .program = choice->deferred.id};
+		render_deferred_use_surfaces(target, bits, row);
+	} else {
+		*row = frame_row(device, terms, list, " shadow buffer");
+		row->depth = (stilb_gpu_attachment){.image = target->depth, .load = STILB_GPU_LOAD_KEEP, .read_only = true};
+	}
+	return STILB_OK;
+}
+
 /* Adds the rows that draw the buffer of shadows of what is plain, whose depth is there: four lights each. */
 static stilb_result frame_terms(render_device *device, const render_stream *stream, render_frame_target *target,
                                 const render_push *push)
 {
 	const render_view_lights *lights = &stream->lights;
 	render_stream terms = *stream;
-	render_formula_programs *choice;
-	uint32_t list;
-	terms.lights.bits = render_terms_bits(lights->bits);
+	render_way way = render_view_way(device, stream->view);
+	stilb_gpu_pass first;
 	uint16_t mask;
 	if (lights->terms == 0)
 		return STILB_OK;
+	terms.lights.bits = way.surfaces || way.apart ? render_terms_image_bits(stream->view, lights->bits)
+	                                              : render_terms_bits(lights->bits);
 	stilb_result result = render_terms_mask(device, target, &mask);
 	terms.lights.shadow_bits = render_terms_shadow_bits(render_shadow_bits(stream->view), mask != 0);
 	if (result == STILB_OK)
-		result = render_programs_choose(device, &stream->view->shading, terms.lights.bits, terms.lights.shadow_bits,
-		                                stream->kinds, frame_surfaces(stream), &choice);
-	if (result == STILB_OK)
-		result = frame_list(device, &terms, (frame_part){0, stream->run_count}, FRAME_DRAWS_PLAIN, choice, &list);
+		result = frame_terms_row(device, &terms, target, &first);
 	device->stats.shadow_terms += lights->terms;
 	for (uint16_t layer = 0; result == STILB_OK && RENDER_SHADOW_LAYER * layer < lights->terms; layer++) {
 		device->stats.shadow_bytes += (uint64_t)target->width * target->height * RENDER_SHADOW_LAYER;
@@ -699,7 +729,7 @@ static stilb_result frame_terms(render_device *device, const render_stream *stre
 		part.view.light_count = left < RENDER_SHADOW_LAYER ? left : RENDER_SHADOW_LAYER;
 		part.view.lists = render_slot_now(device)->memory[RENDER_MEMORY_LIGHT_LISTS].address +
 		                  (lights->term_list + layer) * sizeof(uint32_t[RENDER_SHADOW_LAYER]);
-		stilb_gpu_pass row = frame_row(device, stream, list, " shadow buffer");
+		stilb_gpu_pass row = first;
 		result = render_terms_attach(device, &terms, target, mask, layer, &row);
 		row_constants(&row, &part, sizeof part);
 		if (result == STILB_OK)

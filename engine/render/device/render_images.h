@@ -91,7 +91,8 @@
 /* The share of each shadowed directional light that reaches the pixel where its cascades end: layer k of the k-th one,
  * r8_u, the size of the main images, whose it is. Who knows, writes it, in a row of the stage FIRST
  * (stilb_render_feature): nothing here does, and where there is none, as beyond its layers, all light arrives. Read
- * where the shadow buffer is drawn. */
+ * where the shadow buffer is drawn. With stilb_render_shadow_reading.things in all of the picture: the less of this and
+ * the maps' share arrives. */
 #define STILB_RENDER_IMAGE_MASK "mask"
 
 /* Reserved: nothing writes these yet. */

@@ -608,13 +608,17 @@ static stilb_result program_volumes(render_device *device, render_formula_progra
 
 stilb_result render_programs_deferred(render_device *device, render_formula_programs *choice, bool volumes)
 {
-	static const stilb_gpu_format colors[RENDER_APART_IMAGES] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA16_F};
-	bool apart = formulas_are_apart(choice);
-	uint32_t count = render_deferred_colors(choice->formulas[RENDER_FORMULA_LIGHTS]);
-	stilb_gpu_program_desc desc = {.name = "deferred lights",
-	                               .fragment = render_deferred_fragment[apart],
+	static const stilb_gpu_format light[RENDER_APART_IMAGES] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA16_F};
+	static const stilb_gpu_format shares[1] = {STILB_GPU_RGBA8_U};
+	bool apart = formulas_are_apart(choice), terms = formulas_are_terms(choice);
+	const stilb_gpu_format *colors = terms ? shares : light;
+	uint32_t count = terms ? 1 : render_deferred_colors(choice->formulas[RENDER_FORMULA_LIGHTS]);
+	stilb_gpu_program_desc desc = {.name = terms ? "deferred shadow buffer" : "deferred lights",
+	                               .fragment =
+	                                   terms ? render_deferred_terms_fragment[apart] : render_deferred_fragment[apart],
 	                               .samplers = apart ? 3 : 2 + RENDER_GBUFFER_IMAGES, /* the last: shadows */
-	                               .blend = STILB_GPU_BLEND_ADD};
+	                               .blend = terms ? STILB_GPU_BLEND_NONE : STILB_GPU_BLEND_ADD};
+	desc.samplers += terms; /* the mask */
 	program_formulas(device, choice, 0, RENDER_DRAWN_ALL, &desc);
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = program_once(device, &desc, &choice->deferred);
@@ -808,6 +812,20 @@ static stilb_result prepare_around(render_device *device, const stilb_render_vie
 	return result == STILB_OK ? render_programs_around(device) : result;
 }
 
+/* Makes what draws the buffer of shadows: by the images of surfaces, or by the surfaces. */
+static stilb_result prepare_terms(render_device *device, const stilb_render_view *view, uint32_t light_bits,
+                                  uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
+{
+	render_way way = render_view_way(device, view);
+	render_formula_programs *choice;
+	uint32_t shadow_bits = render_terms_shadow_bits(render_shadow_bits(view), false);
+	if (!(way.surfaces || way.apart))
+		return prepare_surfaces(device, view, render_terms_bits(light_bits), shadow_bits, 0, kinds, surfaces, maps);
+	stilb_result result = render_programs_choose(device, &view->shading, render_terms_image_bits(view, light_bits),
+	                                             shadow_bits, 0, 0, &choice);
+	return result == STILB_OK ? render_programs_deferred(device, choice, false) : result;
+}
+
 /* Makes what a view's way of lighting needs besides the programs for light_bits. */
 static stilb_result prepare_way(render_device *device, const stilb_render_view *view, uint32_t light_bits,
                                 uint32_t beside, uint32_t kinds, uint32_t surfaces, const render_known_maps *maps)
@@ -817,14 +835,13 @@ static stilb_result prepare_way(render_device *device, const stilb_render_view *
 	uint32_t first = way.surfaces || way.apart ? render_gbuffer_bits(view, light_bits) : way.laid ? depth : 0;
 	uint32_t added = render_added_bits(view, light_bits);
 	uint32_t again = way.laid ? render_laid_bits(view, light_bits) : added;
-	uint32_t shadow_bits = render_shadow_bits(view), terms = render_terms_bits(light_bits);
+	uint32_t shadow_bits = render_shadow_bits(view);
 	stilb_result result = STILB_OK;
 	if (first != 0)
 		result = prepare_surfaces(device, view, first, 0, way.surfaces ? beside : 0, kinds, surfaces, maps);
 	if (light_bits & RENDER_LIGHTS_SHADOWS && render_view_has_buffer(device, view)) {
 		if (result == STILB_OK)
-			result = prepare_surfaces(device, view, terms, render_terms_shadow_bits(shadow_bits, false), 0, kinds,
-			                          surfaces, maps);
+			result = prepare_terms(device, view, light_bits, kinds, surfaces, maps);
 		shadow_bits = RENDER_SHADOW_BUFFER;
 	}
 	if (result == STILB_OK && again != 0)

@@ -161,6 +161,12 @@ static const uint32_t maps_slim_frag[] =
 static const uint32_t maps_extras_slim_frag[] =
 #include "maps_extras_slim.frag.inc"
 	;
+static const uint32_t deferred_terms_frag[] =
+#include "deferred_terms.frag.inc"
+	;
+static const uint32_t deferred_apart_terms_frag[] =
+#include "deferred_apart_terms.frag.inc"
+	;
 static const uint32_t mesh_terms_frag[] =
 #include "mesh_terms.frag.inc"
 	;
@@ -537,6 +543,8 @@ const stilb_gpu_shader render_seen_mesh_fragment[RENDER_SURFACES] = {
 };
 const stilb_gpu_shader render_seen_maps_fragment[2] = {SHADER(maps_seen_frag), SHADER(maps_seen_extras_frag)};
 const stilb_gpu_shader render_deferred_fragment[2] = {SHADER(deferred_frag), SHADER(deferred_apart_frag)};
+const stilb_gpu_shader render_deferred_terms_fragment[2] = {SHADER(deferred_terms_frag),
+                                                            SHADER(deferred_apart_terms_frag)};
 const stilb_gpu_shader render_cells_compute[RENDER_CELLS_PASSES] = {
 	[RENDER_CELLS_COUNT] = SHADER(cells_comp),
 	[RENDER_CELLS_SUM] = SHADER(cells_sum_comp),

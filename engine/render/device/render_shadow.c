@@ -91,7 +91,6 @@ stilb_result render_terms_attach(render_device *device, const render_stream *str
 		                                     terms_layers(stream));
 	row->color_count = 1;
 	row->color[0] = (stilb_gpu_attachment){.image = target->terms, .layer = layer, .load = STILB_GPU_LOAD_DISCARD};
-	row->depth = (stilb_gpu_attachment){.image = target->depth, .load = STILB_GPU_LOAD_KEEP, .read_only = true};
 	return STILB_OK;
 }
 

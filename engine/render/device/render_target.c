@@ -40,10 +40,8 @@ static uint16_t target_image(render_device *device, const render_frame_target *t
 	                                                                      .output = output});
 }
 
-/* The image of a lasting target. */
-static uint16_t target_lasting(render_device *device, render_frame_target *target)
+stilb_result render_target_reserve(render_device *device, const stilb_render_target *from)
 {
-	const stilb_render_target *from = target->from;
 	stilb_gpu_extent extent = {.format = STILB_GPU_D32_F,
 	                           .width = from->width,
 	                           .height = from->height,
@@ -53,25 +51,33 @@ static uint16_t target_lasting(render_device *device, render_frame_target *targe
 	                           .samples = 1,
 	                           .uses = 1u << STILB_GPU_USE_SAMPLED | STILB_GPU_EXTENT_ATTACHMENT};
 	const stilb_gpu_extent *last = &device->lasting_extent;
-	if (device->lasting.id == 0 || extent.width != last->width || extent.height != last->height ||
-	    extent.layers != last->layers) {
-		stilb_gpu_image_desc desc = {.name = from->name, .extent = extent};
-		if (device->lasting.id != 0)
-			stilb_gpu_image_destroy(device->gpu, device->lasting);
+	if (device->lasting.id != 0 && extent.width == last->width && extent.height == last->height &&
+	    extent.layers == last->layers)
+		return STILB_OK;
+	stilb_gpu_image_desc desc = {.name = from->name, .extent = extent};
+	if (device->lasting.id != 0)
+		stilb_gpu_image_destroy(device->gpu, device->lasting);
+	device->lasting = (stilb_gpu_image){0};
+	device->lasting_extent = extent;
+	stilb_result result = stilb_gpu_image_create(device->gpu, &desc, &device->lasting);
+	if (result != STILB_OK)
 		device->lasting = (stilb_gpu_image){0};
-		device->lasting_extent = extent;
-		target->result = stilb_gpu_image_create(device->gpu, &desc, &device->lasting);
-		if (target->result != STILB_OK) {
-			device->lasting = (stilb_gpu_image){0};
-			return 0;
-		}
-	}
-	stilb_gpu_plan_image_row row = {.name = from->name,
-	                                .format = extent.format,
-	                                .width = extent.width,
-	                                .height = extent.height,
-	                                .layers = extent.layers,
-	                                .output = from->output,
+	return result;
+}
+
+/* The image of a lasting target. */
+static uint16_t target_lasting(render_device *device, render_frame_target *target)
+{
+	const stilb_gpu_extent *extent = &device->lasting_extent;
+	target->result = render_target_reserve(device, target->from);
+	if (target->result != STILB_OK)
+		return 0;
+	stilb_gpu_plan_image_row row = {.name = target->from->name,
+	                                .format = extent->format,
+	                                .width = extent->width,
+	                                .height = extent->height,
+	                                .layers = extent->layers,
+	                                .output = target->from->output,
 	                                .owned = device->lasting.id};
 	return stilb_gpu_plan_image(device->plan, &row);
 }

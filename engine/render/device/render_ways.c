@@ -136,7 +136,7 @@ uint32_t render_shadow_bits(const stilb_render_view *view)
 	return (view->show == STILB_RENDER_SHOW_CASCADES ? RENDER_SHADOW_CASCADES : 0) |
 	       (view->show == STILB_RENDER_SHOW_ACNE ? RENDER_SHADOW_ACNE : 0) |
 	       (reading->no_plane ? RENDER_SHADOW_NO_PLANE : 0) | (reading->no_way ? RENDER_SHADOW_NO_WAY : 0) |
-	       RENDER_SHADOW_TAPS * reading->taps;
+	       (reading->things ? RENDER_SHADOW_THINGS : 0) | RENDER_SHADOW_TAPS * reading->taps;
 }
 
 bool render_view_has_buffer(const render_device *device, const stilb_render_view *view)
@@ -151,6 +151,11 @@ uint32_t render_terms_bits(uint32_t light_bits)
 	uint32_t read =
 		((1u << STILB_SCENE_LIGHT_KINDS) - 1) | RENDER_LIGHTS_END | RENDER_LIGHTS_SIDES | RENDER_LIGHTS_SHADOWS;
 	return (light_bits & read) | RENDER_LIGHTS_LAID;
+}
+
+uint32_t render_terms_image_bits(const stilb_render_view *view, uint32_t light_bits)
+{
+	return (render_terms_bits(light_bits) & ~(RENDER_LIGHTS_LAID | RENDER_LIGHTS_SIDES)) | ways_images(view);
 }
 
 uint32_t render_terms_shadow_bits(uint32_t shadow_bits, bool mask)

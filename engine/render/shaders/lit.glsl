@@ -457,6 +457,12 @@ void terms_write(vec3 n)
 		terms[i] = shadow_factor(light.kind == SHADE_LIGHT_DIRECTIONAL, light.position, toward_light(light), n).x;
 	}
 }
+
+// As the buffer has them: dark shares in finer steps, like the display's.
+vec4 terms_color()
+{
+	return sqrt(terms);
+}
 #endif
 
 // LIT_AROUND: programs that may draw what surfaces send on of the surroundings' light apart (velocity/beside.glsl).
@@ -578,7 +584,7 @@ vec4 picture_color(vec3 radiance, uint material)
 {
 	bool black = (drawn == 1u || drawn == 2u) && (material & 1) != drawn - 1;
 #ifdef LIT_TERMS
-	return sqrt(terms); // dark shares in finer steps, as the display has them
+	return terms_color();
 #endif
 #ifdef LIT_AROUND
 	if (lights_around)

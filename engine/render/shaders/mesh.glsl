@@ -104,7 +104,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 // As render_view_push: what pixels read of a view. Software devices load from a buffer lane by lane, from constants at
 // once.
 struct View {
-	vec4 camera_position;
+	vec4 camera_position; // w: of a parallel view w of clip space, of others 0
 	vec4 added; // to every material's roughness, anisotropy, wrap, specular
 	vec2 turn;  // sine and cosine of the panorama's rotation
 	uint light_count;

@@ -97,18 +97,17 @@ static float code_of(float light)
 	return 255.0f * shade_srgb_from_linear(fminf(fmaxf(light, 0.0f), 1.0f));
 }
 
-/* The picture with a buffer is that with maps, to a code of the display, and much of it is in shadow. */
-static void compare(stilb_scene *scene, stilb_render_lighting way, uint32_t layers)
+/* The picture with a buffer is that with maps, to a code of the display, and much of it is in shadow. lit: without. */
+static void compare(stilb_scene *scene, stilb_render_lighting way, uint32_t layers, float (*lit)[3])
 {
-	static float maps[PIXELS][3], buffer[PIXELS][3], lit[PIXELS][3];
-	static const stilb_engine_shadows kinds[3] = {{.kind = STILB_ENGINE_SHADOWS_OFF},
-	                                              {.kind = STILB_ENGINE_SHADOWS_MAP, .size = 512},
+	static float maps[PIXELS][3], buffer[PIXELS][3];
+	static const stilb_engine_shadows kinds[2] = {{.kind = STILB_ENGINE_SHADOWS_MAP, .size = 512},
 	                                              {.kind = STILB_ENGINE_SHADOWS_BUFFER, .size = 512}};
-	float(*pictures[3])[3] = {lit, maps, buffer};
-	for (int k = 0; k < 3; k++) {
+	float(*pictures[2])[3] = {maps, buffer};
+	for (int k = 0; k < 2; k++) {
 		stilb_engine *engine = engine_open(scene, &kinds[k], way);
 		radiance(engine, pictures[k]);
-		assert_int_equal(buffer_layers(engine), k == 2 ? layers : 0);
+		assert_int_equal(buffer_layers(engine), k == 1 ? layers : 0);
 		engine_close(engine);
 	}
 	float worst = 0.0f;
@@ -132,14 +131,19 @@ static void pictures_are_those_of_maps(void **state)
 	static const stilb_render_lighting ways[] = {
 		STILB_RENDER_LIGHTING_FORWARD,        STILB_RENDER_LIGHTING_CLUSTERED, STILB_RENDER_LIGHTING_COMBINED,
 		STILB_RENDER_LIGHTING_TILED_FORWARD,  STILB_RENDER_LIGHTING_INDEXED,   STILB_RENDER_LIGHTING_DEFERRED,
-		STILB_RENDER_LIGHTING_TILED_DEFERRED, STILB_RENDER_LIGHTING_PRELIGHT};
+		STILB_RENDER_LIGHTING_TILED_DEFERRED, STILB_RENDER_LIGHTING_PRELIGHT,  STILB_RENDER_LIGHTING_PREPASS};
+	static const stilb_engine_shadows none = {.kind = STILB_ENGINE_SHADOWS_OFF};
+	static float lit[PIXELS][3];
 	stilb_scene *scene = lit_scene(LIGHTS);
+	stilb_engine *engine = engine_open(scene, &none, STILB_RENDER_LIGHTING_FORWARD);
+	radiance(engine, lit);
+	engine_close(engine);
 	for (size_t w = 0; w < sizeof ways / sizeof *ways; w++)
-		compare(scene, ways[w], 2);
+		compare(scene, ways[w], 2, lit);
 	stilb_scene_destroy(scene);
 	scene = lit_scene(1);
-	compare(scene, STILB_RENDER_LIGHTING_FORWARD, 1);
-	compare(scene, STILB_RENDER_LIGHTING_DEFERRED, 1);
+	compare(scene, STILB_RENDER_LIGHTING_FORWARD, 1, lit);
+	compare(scene, STILB_RENDER_LIGHTING_DEFERRED, 1, lit);
 	stilb_scene_destroy(scene);
 }
 
@@ -244,6 +248,53 @@ static void houses_far_away_stay_dark(void **state)
 	assert_true(fabs(half - 0.5) < 0.02);
 }
 
+/* The share of the sun on balls over a floor, whose one map has the balls alone. share < 0: there is no mask. */
+static void share_of_things(float share, stilb_render_lighting way, float *out)
+{
+	static const stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .intensity = {3, 3, 3}, .direction = {0.48f, -0.8f, 0.36f}};
+	stilb_engine_shadows shadows = {
+		.kind = STILB_ENGINE_SHADOWS_BUFFER, .size = 512, .objects = true, .distance = 20.0f};
+	shadow_stage stage = shadow_stage_open(SHADOW_STAGE_BALLS, 5, &sun, shadows, WIDTH, HEIGHT);
+	stilb_engine_set_lighting(stage.engine, way);
+	hand_made mask = {stage.engine->render, share, 1};
+	if (share >= 0.0f)
+		assert_int_equal(
+			stilb_engine_add_feature(stage.engine, &(stilb_render_feature){STILB_RENDER_STAGE_FIRST, add_mask, &mask}),
+			STILB_OK);
+	stage.scene->camera = (stilb_scene_camera){
+		.position = {0.5f, 4.0f, 5.5f}, .pitch = -0.65f, .fov_y = 0.9f, .near_z = 0.05f, .far_z = 100.0f};
+	memcpy(out, shadow_stage_share(&stage), PIXELS * sizeof *out);
+	shadow_stage_close(&stage);
+}
+
+/* Things that cast on light that others made darken no more than what of it there is: the less of the mask's share and
+ * the map's arrives. In the open that is the mask's, in their shadow nothing, and at its edges not the product. */
+static void things_darken_what_is_lit(void **state)
+{
+	(void)state;
+	static float open[PIXELS], half[PIXELS], none[PIXELS];
+	static const stilb_render_lighting ways[] = {STILB_RENDER_LIGHTING_FORWARD, STILB_RENDER_LIGHTING_DEFERRED};
+	share_of_things(-1.0f, ways[0], open);
+	share_of_things(0.0f, ways[1], none);
+	for (int w = 0; w < 2; w++) {
+		share_of_things(0.5f, ways[w], half);
+		uint32_t dark = 0, lit = 0, edge = 0;
+		for (uint32_t i = 0; i < PIXELS; i++) {
+			if (isnan(open[i]))
+				continue;
+			assert_true(fabsf(half[i] - fminf(open[i], 0.5f)) < 0.02f);
+			assert_true(none[i] < 0.01f);
+			dark += open[i] < 0.01f;
+			lit += open[i] > 0.99f;
+			edge += open[i] > 0.2f && open[i] < 0.8f;
+		}
+		print_message("%s: %u pixels dark, %u lit, %u at edges\n", stilb_render_lighting_names[ways[w]], dark, lit,
+		              edge);
+		assert_true(dark > 50 && lit > 500 && edge > 20);
+	}
+}
+
 /* ---- what is shown ----------------------------------------------------------------------------------------------- */
 
 /* Pixels of which one channel is more than so many times each of the others, and not dark. */
@@ -313,9 +364,8 @@ static void shadows_are_shown(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(pictures_are_those_of_maps),
-		cmocka_unit_test(too_many_read_maps),
-		cmocka_unit_test(houses_far_away_stay_dark),
+		cmocka_unit_test(pictures_are_those_of_maps), cmocka_unit_test(too_many_read_maps),
+		cmocka_unit_test(houses_far_away_stay_dark),  cmocka_unit_test(things_darken_what_is_lit),
 		cmocka_unit_test(shadows_are_shown),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

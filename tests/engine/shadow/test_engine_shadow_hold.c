@@ -1,8 +1,10 @@
 /* What frames with shadows must bear, under the validation layer: any number of workers and way of replaying gives the
  * same picture; from no light to a thousand; lamps within a wall, of almost no size, along every axis; scenes of one
  * triangle and of 10 km; a far plane at infinity; another size of the picture, of maps and of their number in each
- * frame. */
+ * frame; memory that is short. */
 #include "engine_internal.h"
+#include "gpu/gpu_internal.h"
+#include "render/render_internal.h"
 #include "scene/edit/scene_edit.h"
 #include "support/shadow/shadow_stage.h"
 #include "support/test.h"
@@ -226,6 +228,78 @@ static void scenes_of_any_size(void **state)
 		}
 }
 
+/* A spot that swings, a point that shakes, and a lamp that lights a single frame: each frame shows what an engine shows
+ * that has drawn nothing else, and the flash has a shadow at once, which is gone in the next frame. */
+static void lamps_swing_shake_and_flash(void **state)
+{
+	(void)state;
+	uint64_t random = 9;
+	stilb_scene_light lights[3] = {shadow_stage_light(&random, STILB_SCENE_LIGHT_SPOT, 0.1f),
+	                               shadow_stage_light(&random, STILB_SCENE_LIGHT_POINT, 0.1f),
+	                               shadow_stage_light(&random, STILB_SCENE_LIGHT_POINT, 0.1f)};
+	stilb_scene *scene = shadow_stage_scene(SHADOW_STAGE_BALLS, 5, &lights[0]);
+	scene->camera = look_down(5.0f);
+	stilb_engine *engine = engine_open(scene, 1, STILB_RENDER_REPLAY_INDIRECT);
+	for (uint32_t f = 0; f < 4; f++) {
+		stilb_scene_light now[3] = {lights[0], lights[1], lights[2]};
+		float angle = 0.2f * (float)f;
+		memcpy(now[0].direction, (float[3]){sinf(angle), -cosf(angle), 0.0f}, sizeof now[0].direction);
+		now[1].position[0] += f % 2 == 0 ? 0.005f : -0.005f;
+		for (int c = 0; c < 3; c++)
+			now[2].intensity[c] *= f == 2 ? 1.0f : 0.0f;
+		assert_int_equal(stilb_scene_set_lights(scene, now, 3), STILB_OK);
+		stilb_engine_report report;
+		stilb_image image = picture(engine, &report);
+		assert_int_equal(report.shadow_maps, f == 2 ? 1 + 6 + 6 : 1 + 6);
+		assert_int_equal(report.shadow_maps_drawn, report.shadow_maps);
+		stilb_engine *anew = engine_open(scene, 0, STILB_RENDER_REPLAY_INDIRECT);
+		stilb_image same = picture(anew, &report);
+		assert_memory_equal(image.pixels, same.pixels, (size_t)WIDTH * HEIGHT * image.channels * sizeof(uint16_t));
+		stilb_image_finish(&image);
+		stilb_image_finish(&same);
+		engine_close(anew);
+	}
+	engine_close(engine);
+	stilb_scene_destroy(scene);
+}
+
+/* Where the device has no memory for maps they are half as large, and the picture is the one of such maps. */
+static void short_memory_makes_small_maps(void **state)
+{
+	(void)state;
+	uint64_t random = 9;
+	stilb_scene_light light = shadow_stage_light(&random, STILB_SCENE_LIGHT_DIRECTIONAL, 0.1f);
+	stilb_scene *scene = shadow_stage_scene(SHADOW_STAGE_BALLS, 5, &light);
+	scene->camera = look_down(5.0f);
+	stilb_image images[2];
+	for (int k = 0; k < 2; k++) {
+		stilb_engine_report report;
+		stilb_engine *engine = engine_open(scene, 0, STILB_RENDER_REPLAY_INDIRECT);
+		engine->desc.shadows.size = 256;
+		for (int f = 0; f < 3; f++) { /* after which all else is allocated */
+			images[k] = picture(engine, &report);
+			stilb_image_finish(&images[k]);
+		}
+		stilb_gpu *gpu = engine->render->device->gpu;
+		engine->desc.shadows.size = k == 0 ? 512 : 1024;
+		gpu->faults.allocation = k == 0 ? 0 : gpu->allocations + 1;
+		images[k] = picture(engine, &report);
+		assert_int_equal(stilb_engine_shadows_used(engine).size, 512);
+		assert_true(report.shadow_maps > 0);
+		if (k == 1) { /* and again, though nothing is the matter any more: maps stay */
+			stilb_image again = picture(engine, &report);
+			assert_int_equal(report.shadow_maps_drawn, 0);
+			stilb_image_finish(&again);
+		}
+		engine_close(engine);
+	}
+	assert_memory_equal(images[0].pixels, images[1].pixels,
+	                    (size_t)WIDTH * HEIGHT * images[0].channels * sizeof(uint16_t));
+	stilb_image_finish(&images[0]);
+	stilb_image_finish(&images[1]);
+	stilb_scene_destroy(scene);
+}
+
 /* Each frame has another size, other maps, and more or less room for them, and shows what an engine shows that has
  * drawn nothing else. */
 static void everything_changes_every_frame(void **state)
@@ -268,6 +342,8 @@ int main(void)
 		cmocka_unit_test(any_number_of_lights),
 		cmocka_unit_test(lights_in_odd_places),
 		cmocka_unit_test(scenes_of_any_size),
+		cmocka_unit_test(lamps_swing_shake_and_flash),
+		cmocka_unit_test(short_memory_makes_small_maps),
 		cmocka_unit_test(everything_changes_every_frame),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

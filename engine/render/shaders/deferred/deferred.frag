@@ -1,14 +1,17 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The light of the view's lights on what the images of surfaces hold (gbuffer.glsl), added to the radiance.
-// DEFERRED_APART: of PREPASS and PRELIGHT, on white surfaces: scattered light and highlights.
+// DEFERRED_APART: of PREPASS and PRELIGHT, on white surfaces: scattered light and highlights. LIT_TERMS: in place of
+// light the shares of up to four lights that arrive, for the buffer of shadows.
 #include "../mesh.glsl"
 
 layout(set = 0, binding = 0) uniform sampler2D depth_image;
 layout(set = 0, binding = 1) uniform sampler2D normal_image;
 layout(location = 0) out vec4 color;
 #ifdef DEFERRED_APART
+#ifndef LIT_TERMS
 layout(location = 1) out vec4 highlight; // of PRELIGHT
+#endif
 #define GBUFFER_SLIM
 #define LIT_APART
 #else
@@ -42,13 +45,19 @@ void main()
 #ifdef DEFERRED_APART
 	GbufferSurface surface = gbuffer_of_slim(normal, gbuffer_ahead(world_position));
 	receives = surface.receives;
-	vec3 scattered = from_lights(model, surface.material, frame_here(surface.normal), to_camera);
-	color = vec4(scattered, gbuffer_narrow ? shade_luminance(highlights) : 0.0);
-	highlight = vec4(highlights, 0.0);
 #else
 	vec4 diffuse = texelFetch(diffuse_image, at, 0), specular = texelFetch(specular_image, at, 0);
 	GbufferSurface surface = gbuffer_surface(normal, diffuse, specular, gbuffer_ahead(world_position));
 	receives = surface.receives;
+#endif
+#ifdef LIT_TERMS
+	terms_write(frame_here(surface.normal).n);
+	color = terms_color();
+#elif defined(DEFERRED_APART)
+	vec3 scattered = from_lights(model, surface.material, frame_here(surface.normal), to_camera);
+	color = vec4(scattered, gbuffer_narrow ? shade_luminance(highlights) : 0.0);
+	highlight = vec4(highlights, 0.0);
+#else
 	shade_material material = shade_surface_seen(model, surface.material, dot(surface.normal, to_camera));
 	color = vec4(from_lights(model, material, frame_here(surface.normal), to_camera), 0.0);
 #endif

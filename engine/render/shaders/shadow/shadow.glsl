@@ -12,7 +12,7 @@
 #endif
 layout(set = 0, binding = SHADOW_BINDING) uniform sampler2DArray shadow_maps; // with shadow_buffered terms of lights
 #ifdef LIT_TERMS
-layout(set = 0, binding = 1) uniform sampler2DArray shadow_mask; // with shadow_masked
+layout(set = 0, binding = SHADOW_BINDING + 1) uniform sampler2DArray shadow_mask; // with shadow_masked
 #endif
 
 // How shadows are read, and what is shown of them (RENDER_SHADOW_... of render_internal.h).
@@ -23,7 +23,8 @@ const bool shadow_plane = (shadow_kind & 4u) == 0u; // texels are compared with 
 const bool shadow_way = (shadow_kind & 8u) == 0u;   // the point is moved towards the light
 const bool shadow_buffered = (shadow_kind & 32u) != 0u;
 const bool shadow_masked = (shadow_kind & 64u) != 0u;
-const int shadow_taps = int(shadow_kind >> 8); // comparisons in place of the filter; 0: none
+const bool shadow_of_things = (shadow_kind & 256u) != 0u; // maps have some things; the mask says what all others do
+const int shadow_taps = int(shadow_kind >> 9);            // comparisons in place of the filter; 0: none
 
 // What is shown in place of the share that arrives: the colour of the cascades that were asked; and of the filter, of a
 // light at a time, what lies in front of the point by less than twice what it is moved by, and keeps light from it; and
@@ -183,10 +184,23 @@ vec2 shadow_slope(vec3 a, vec3 b)
 	return vec2(a.z * b.y - b.z * a.y, a.x * b.z - b.x * a.z) / (square != 0.0 ? square : 1.0);
 }
 
+// Metres from the camera to the point that is lit.
+float shadow_away()
+{
+	return distance(world_position, push.view.camera_position.xyz);
+}
+
+// By what lengths in the picture shrink there: a parallel view shows all alike.
+float shadow_shrinks()
+{
+	float parallel = push.view.camera_position.w;
+	return parallel > 0.0 ? parallel : shadow_away();
+}
+
 // The point that is lit, moved to the light by as much as surfaces may be off. w: of clip space, of the map.
 vec3 shadow_point(vec4 error, float w, vec3 toward)
 {
-	return world_position + (error.x * w + error.y * distance(world_position, push.view.camera_position.xyz)) * toward;
+	return world_position + (error.x * w + error.y * shadow_shrinks()) * toward;
 }
 
 // Takes note of what depth changes by for the point when it is moved; and leaves it where it was without that.
@@ -246,7 +260,7 @@ vec3 shadow_color_of(uint cascade)
 // The same of a light far away, whose maps fill their layers.
 float shadow_of_sun(uint first, vec3 toward, vec3 one, vec3 other)
 {
-	float open = 0.0, left = 1.0, away = distance(world_position, push.view.camera_position.xyz);
+	float open = 0.0, left = 1.0, away = shadow_away();
 	vec3 tint = vec3(0.0);
 	vec2 judged = vec2(0.0);
 	vec4 area = vec4(vec2(0.0), vec2(textureSize(shadow_maps, 0).xy));
@@ -277,6 +291,8 @@ float shadow_of_sun(uint first, vec3 toward, vec3 one, vec3 other)
 	}
 	shadow_tint = tint + left * vec3(0.7);
 	shadow_judged = judged;
+	if (shadow_masked && shadow_of_things) // who is in shadow already does not get darker
+		return min(open + left, shadow_beyond());
 	return open + left * shadow_beyond();
 }
 
