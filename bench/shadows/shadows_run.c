@@ -137,21 +137,27 @@ static void run_views(const bench_child *child, uint32_t models)
 
 /* ---- recording --------------------------------------------------------------------------------------------------- */
 
-/* Milliseconds of culling and recording, the least of many frames, in each of which everything is drawn. */
-static double record_ms(const bench_child *child, uint32_t workers, stilb_engine_shadow_kind kind, double *draws)
+typedef struct recorded {
+	double record, all; /* ms: recording; with culling */
+	double draws;
+} recorded;
+
+/* The least of many frames, in each of which everything is drawn. */
+static recorded record_ms(const bench_child *child, uint32_t models, uint32_t workers, stilb_engine_shadow_kind kind)
 {
 	stilb_engine_desc desc = stilb_engine_desc_default();
 	desc.device = STILB_RENDER_DEVICE_NULL;
 	desc.workers = workers;
 	desc.shadows = (stilb_engine_shadows){.kind = kind, .cascades = 8, .size = 1024};
 	desc.detail = (stilb_render_detail){STILB_RENDER_DETAIL_POP, 0.5f};
-	double best = HUGE_VAL;
-	stilb_engine *engine = open_engine(desc, 10000, true);
+	recorded best = {HUGE_VAL, HUGE_VAL, 0.0};
+	stilb_engine *engine = open_engine(desc, models, true);
 	uint64_t end = bench_child_now_ns() + (uint64_t)(child->seconds * 2e8);
 	for (uint32_t frame = 0; frame < 10 || bench_child_now_ns() < end; frame++) {
 		stilb_engine_report report = draw(engine);
-		best = fmin(best, report.times.record + report.times.cull);
-		*draws = (double)report.render.draws;
+		best.record = fmin(best.record, report.times.record);
+		best.all = fmin(best.all, report.times.record + report.times.cull);
+		best.draws = (double)report.render.draws;
 	}
 	stress_engine_destroy(engine);
 	return best;
@@ -159,15 +165,16 @@ static double record_ms(const bench_child *child, uint32_t workers, stilb_engine
 
 static void run_record(const bench_child *child)
 {
-	double without, with;
-	double alone = record_ms(child, 0, STILB_ENGINE_SHADOWS_OFF, &without);
-	double all = record_ms(child, 0, STILB_ENGINE_SHADOWS_MAP, &with);
-	double two = record_ms(child, 1, STILB_ENGINE_SHADOWS_MAP, &with);
-	double draw_ns = 1e6 * alone / without, caster_ns = 1e6 * (all - alone) / (with - without);
+	recorded without = record_ms(child, 10000, 0, STILB_ENGINE_SHADOWS_OFF);
+	recorded with = record_ms(child, 10000, 0, STILB_ENGINE_SHADOWS_MAP);
+	double draw_ns = 1e6 * without.all / without.draws;
+	double caster_ns = 1e6 * (with.all - without.all) / (with.draws - without.draws);
 	bench_child_metric("draw", draw_ns);
 	bench_child_metric("caster", caster_ns);
 	bench_child_metric("ratio", caster_ns / draw_ns);
-	bench_child_metric("two", all / two);
+	bench_child_metric("two-10000", with.record / record_ms(child, 10000, 1, STILB_ENGINE_SHADOWS_MAP).record);
+	with = record_ms(child, 100000, 0, STILB_ENGINE_SHADOWS_MAP);
+	bench_child_metric("two", with.record / record_ms(child, 100000, 1, STILB_ENGINE_SHADOWS_MAP).record);
 }
 
 /* ---- lamps ------------------------------------------------------------------------------------------------------- */
