@@ -1,6 +1,6 @@
 /*
  * shade_light_area: what spheres, disks and rectangles of one radiance send to a surface: irradiance, exact, also where
- * the surface's plane cuts the light. For a Lambertian surface; a highlight takes shade_light_at. [any-thread]
+ * the surface's plane cuts the light. For a Lambertian surface; for highlights see shade_roughness_under. [any-thread]
  *
  * E / L, in [0, pi]: irradiance on a surface with the unit normal n, in a point from which the light's centre is at
  * `center`, m, over the light's radiance. Nothing hides the light.

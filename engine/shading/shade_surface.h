@@ -60,7 +60,8 @@ SHADE_FN vec3 shade_surface_brdf_cos(shade_brdf_model model, shade_material mate
 }
 
 /* Radiance from the surface to v of one light: seen, from shade_light_at; of a light with a size also spread, from
- * shade_area_irradiance, which the diffuse share takes in its place, unless it is wrapped. */
+ * shade_area_irradiance, which the diffuse share takes in its place, unless it is wrapped. The material's roughness is
+ * then that of shade_roughness_under. */
 SHADE_FN vec3 shade_surface_lit(shade_brdf_model model, shade_material material, shade_frame frame, shade_sun seen,
                                 bool sized, vec3 spread, vec3 v)
 {
@@ -71,14 +72,42 @@ SHADE_FN vec3 shade_surface_lit(shade_brdf_model model, shade_material material,
 	return even + shade_surface_highlight_cos(model, material, frame, seen.direction, v) * seen.irradiance;
 }
 
+/* The share of a point's view that a light with a size takes, as the squared sine of the angle at which the radius of a
+ * disk is seen that would take as much: r^2 / d^2 of a sphere, A cos / (pi d^2) of a disk or a rectangle. [0, 1] */
+SHADE_FN float shade_light_share(shade_light light, vec3 position)
+{
+	vec3 center = light.position - position;
+	float square = max(dot(center, center), SHADE_LIGHT_SQUARE_MIN), round = light.radius * light.radius;
+	if (light.kind == SHADE_LIGHT_RECTANGLE)
+		round = shade_rectangle_area(light.half_x, light.half_y) * SHADE_INV_PI;
+	if (light.kind != SHADE_LIGHT_SPHERE)
+		round *= max(-dot(center, light.direction), 0.0f) * inversesqrt(square);
+	return min(round / square, 1.0f);
+}
+
+/* What a light's size adds to the square of alpha, for each of its share. */
+#define SHADE_LIGHT_WIDENS 0.1875f
+
+/* The roughness with which the highlight of a light's centre looks like that of the whole light, whose share is
+ * [0, 1]: alpha'^2 = alpha^2 + 3/16 share. Half vectors turn by half as much as the light's points, which alone would
+ * be 1/8; of seven factors 3/16 is the nearest to integrals of GGX, Blinn-Phong and Phong over a sphere, a disk and a
+ * rectangle. Source: Karis, "Real Shading in Unreal Engine 4" (2013), for the idea; the form is ours. */
+SHADE_FN float shade_roughness_under(float roughness, float share)
+{
+	float alpha = shade_alpha_from_roughness(roughness);
+	return sqrt(sqrt(min(alpha * alpha + SHADE_LIGHT_WIDENS * share, 1.0f)));
+}
+
 /* The same for a light and a position. */
 SHADE_FN vec3 shade_surface_light(shade_brdf_model model, shade_material material, shade_frame frame, shade_light light,
                                   vec3 position, vec3 v)
 {
 	bool sized = shade_light_is_sized(light.kind);
 	vec3 spread = vec3(0.0f);
-	if (sized)
+	if (sized) {
 		spread = shade_area_irradiance(light, position, frame.n);
+		material.roughness = shade_roughness_under(material.roughness, shade_light_share(light, position));
+	}
 	return shade_surface_lit(model, material, frame, shade_light_at(light, position), sized, spread, v);
 }
 

@@ -1,10 +1,11 @@
 /* shade_light_area.h against integrals over the lights' surfaces, in double, and against closed forms of others. */
 #include "numeric/numeric_quadrature.h"
 #include "shading/shade_frame.h"
-#include "shading/shade_light_area.h"
+#include "shading/shade_surface.h"
 #include "support/shade_proof.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #define TRIALS 60
 #define GRID 160 /* cells along a side of a flat light: the horizon's edge in them costs 4e-5 */
@@ -331,12 +332,145 @@ static void flat_lights_to_four_digits(void **state)
 	}
 }
 
+/* What lights with a size do to highlights. */
+static void highlights_widen(void **state)
+{
+	(void)state;
+	shade_light light = {.kind = SHADE_LIGHT_SPHERE,
+	                     .position = {0.0f, 2.0f, 0.0f},
+	                     .direction = {0.0f, -1.0f, 0.0f},
+	                     .radius = 0.5f,
+	                     .half_x = {1.0f, 0.0f, 0.0f},
+	                     .half_y = {0.0f, 0.0f, 0.25f}};
+	stilb_vec3 below = stilb_vec3_make(0.0f, 0.0f, 0.0f), beside = stilb_vec3_make(2.0f, 0.0f, 0.0f);
+	SHADE_PROOF_NEAR(shade_light_share(light, below), 0.0625, 1e-6, 0.0);
+	SHADE_PROOF_NEAR(shade_light_share(light, beside), 0.25 / 8.0, 1e-6, 0.0);
+	assert_true(shade_light_share(light, light.position) == 1.0f);
+	light.kind = SHADE_LIGHT_DISK;
+	SHADE_PROOF_NEAR(shade_light_share(light, below), 0.0625, 1e-6, 0.0);
+	SHADE_PROOF_NEAR(shade_light_share(light, beside), 0.25 / 8.0 * sqrt(0.5), 1e-6, 0.0);
+	assert_true(shade_light_share(light, stilb_vec3_make(0.0f, 3.0f, 0.0f)) == 0.0f);
+	light.kind = SHADE_LIGHT_RECTANGLE;
+	SHADE_PROOF_NEAR(shade_light_share(light, below), 1.0 / (4.0 * M_PI), 1e-6, 0.0);
+	SHADE_PROOF_NEAR(shade_light_share(light, beside), 1.0 / (8.0 * M_PI) * sqrt(0.5), 1e-6, 0.0);
+	SHADE_PROOF_NEAR(shade_roughness_under(0.3f, 0.04f), pow(0.0081 + 0.0075, 0.25), 1e-6, 0.0);
+	SHADE_PROOF_NEAR(shade_roughness_under(0.3f, 1.0f), pow(0.0081 + 0.1875, 0.25), 1e-6, 0.0);
+	SHADE_PROOF_NEAR(shade_roughness_under(0.6f, 0.0f), 0.6, 1e-6, 0.0);
+	assert_true(shade_roughness_under(1.0f, 1.0f) == 1.0f);
+}
+
+/* A lamp over a ball and a floor, and what its surface's points send to a viewer, summed up. */
+typedef struct gloss {
+	shade_brdf_model model;
+	shade_material material;
+	shade_light light;
+	stilb_vec3 eye;
+} gloss;
+
+static double gloss_integral(const gloss *g, stilb_vec3 place, stilb_vec3 n, stilb_vec3 v)
+{
+	enum { SIDE = 16 };
+	stilb_vec3 toward = stilb_vec3_normalize(g->light.position - place);
+	bool ball = g->light.kind == SHADE_LIGHT_SPHERE, disk = g->light.kind == SHADE_LIGHT_DISK;
+	shade_frame frame = shade_frame_from_normal(n);
+	shade_frame around = shade_frame_from_normal(ball ? -toward : g->light.direction);
+	double sum = 0.0;
+	for (int i = 0; i < SIDE * SIDE; i++) {
+		double x = (i % SIDE + 0.5) / SIDE, y = (i / SIDE + 0.5) / SIDE;
+		double across = sqrt(x) * cos(2.0 * M_PI * y), along = sqrt(x) * sin(2.0 * M_PI * y);
+		stilb_vec3 at = g->light.position;
+		if (ball || disk) /* of a ball its half that is seen, as a disk that covers as much */
+			at += (around.t * (float)across + around.b * (float)along) * g->light.radius;
+		else
+			at += g->light.half_x * (float)(2.0 * x - 1.0) + g->light.half_y * (float)(2.0 * y - 1.0);
+		if (ball)
+			at -= toward * (g->light.radius * (float)sqrt(fmax(1.0 - x, 0.0)));
+		stilb_vec3 offset = at - place;
+		double square = (double)stilb_vec3_dot(offset, offset);
+		stilb_vec3 l = stilb_vec3_normalize(offset);
+		/* dA cos / d^2 of I / A; of a ball dA is that of the disk, over the cosine by which it is turned to it. */
+		double turned =
+			ball ? (double)stilb_vec3_dot(stilb_vec3_normalize(g->light.position - at), l) /
+					   fmax((double)stilb_vec3_dot(stilb_vec3_normalize(g->light.position - at), toward), 1e-3)
+				 : -(double)stilb_vec3_dot(l, g->light.direction);
+		sum += fmax(turned, 0.0) / square * (double)shade_surface_highlight_cos(g->model, g->material, frame, l, v)[0];
+	}
+	return sum / (SIDE * SIDE);
+}
+
+/* RMS of all points, as a share of the largest value: what highlights of lights with a size are off by. */
+static double gloss_error(const gloss *g)
+{
+	enum { SIDE = 16 };
+	double square = 0.0, most = 0.0;
+	int count = 0;
+	for (int i = 0; i < 2 * SIDE * SIDE; i++) {
+		float x = (float)(i % SIDE) / SIDE * 2.0f - 0.95f, y = (float)(i / 2 / SIDE) / SIDE * 2.0f - 0.95f;
+		bool ball = (i / SIDE) % 2 == 1;
+		if (ball && x * x + y * y > 0.9f)
+			continue;
+		stilb_vec3 n = ball ? stilb_vec3_make(x, y, sqrtf(1.0f - x * x - y * y)) : stilb_vec3_make(0.0f, 1.0f, 0.0f);
+		stilb_vec3 place =
+			ball ? stilb_vec3_make(-1.1f, 1.0f, 0.0f) + n : stilb_vec3_make(2.5f * x + 0.3f, 0.0f, 2.5f * y + 1.0f);
+		stilb_vec3 v = stilb_vec3_normalize(g->eye - place);
+		if (stilb_vec3_dot(n, v) < 0.05f)
+			continue;
+		double want = gloss_integral(g, place, n, v);
+		double got =
+			(double)shade_surface_light(g->model, g->material, shade_frame_from_normal(n), g->light, place, v)[0];
+		square += (got - want) * (got - want);
+		most = fmax(most, want);
+		count++;
+	}
+	assert_true(count > SIDE * SIDE && most > 0.0);
+	return sqrt(square / count) / most;
+}
+
+/* Of a roughness of .2 and more highlights of lights with a size are off by 5 % of the largest value at most (RMS). */
+static void highlights_beside_integrals(void **state)
+{
+	(void)state;
+	static const shade_brdf_model models[] = {
+		{SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK},
+		{.kind = SHADE_BRDF_BLINN_PHONG_MODIFIED},
+		{.kind = SHADE_BRDF_PHONG_MODIFIED}};
+	static const float roughness[] = {0.2f, 0.3f, 0.45f, 0.6f, 1.0f};
+	static const shade_light lights[] = {{.position = {0.5f, 3.0f, 1.0f},
+	                                      .direction = {0.0f, -0.8f, -0.6f},
+	                                      .intensity = {1.0f, 1.0f, 1.0f},
+	                                      .radius = 0.6f,
+	                                      .half_x = {1.0f, 0.0f, 0.0f},
+	                                      .half_y = {0.0f, 0.18f, -0.24f}},
+	                                     /* not used while the form was chosen */
+	                                     {.position = {-2.0f, 2.4f, 2.0f},
+	                                      .direction = {0.48f, -0.8f, -0.36f},
+	                                      .intensity = {1.0f, 1.0f, 1.0f},
+	                                      .radius = 0.4f,
+	                                      .half_x = {0.3f, 0.0f, 0.4f},
+	                                      .half_y = {0.192f, 0.18f, -0.144f}}};
+	double worst = 0.0;
+	for (int i = 0; i < 2 * 3 * 3 * 5; i++) {
+		gloss g = {.model = models[i / 5 % 3],
+		           .eye = {0.3f, 2.2f, 6.0f},
+		           .material = {.specular = {0.5f, 0.5f, 0.5f}, .roughness = roughness[i % 5]},
+		           .light = lights[i / 45]};
+		g.light.kind = SHADE_LIGHT_SPHERE + i / 15 % 3;
+		double error = gloss_error(&g);
+		if (error >= 0.05)
+			fail_msg("light %d of kind %d, model %d, roughness %.2f: off by %.2f %%", i / 45, g.light.kind,
+			         g.model.kind, (double)g.material.roughness, 100.0 * error);
+		worst = fmax(worst, error);
+	}
+	printf("highlights of lights with a size: off by %.2f %% at most\n", 100.0 * worst);
+}
+
 int main(void)
 {
 	const struct CMUnitTest exactness[] = {
-		cmocka_unit_test(spheres_to_six_digits),      cmocka_unit_test(ramps_to_six_digits),
-		cmocka_unit_test(a_distant_rectangle_rises),  cmocka_unit_test(borders_of_disks_to_five_digits),
-		cmocka_unit_test(flat_lights_to_four_digits),
+		cmocka_unit_test(spheres_to_six_digits),       cmocka_unit_test(ramps_to_six_digits),
+		cmocka_unit_test(a_distant_rectangle_rises),   cmocka_unit_test(borders_of_disks_to_five_digits),
+		cmocka_unit_test(flat_lights_to_four_digits),  cmocka_unit_test(highlights_widen),
+		cmocka_unit_test(highlights_beside_integrals),
 	};
 	const struct CMUnitTest properties[] = {
 		cmocka_unit_test(flat_lights_are_exact),

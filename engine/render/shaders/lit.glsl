@@ -140,8 +140,10 @@ vec3 from_light(shade_light light, shade_brdf_model model, shade_material materi
 	if ((lights & (1u << of_kind)) != 0 && light.kind == of_kind) {                                                    \
 		light.kind = of_kind;                                                                                          \
 		seen = shade_light_at(light, world_position);                                                                  \
-		if (sized)                                                                                                     \
+		if (sized) {                                                                                                   \
 			spread = shade_area_irradiance(light, world_position, frame.n);                                            \
+			material.roughness = shade_roughness_under(material.roughness, shade_light_share(light, world_position));  \
+		}                                                                                                              \
 	}
 	FROM_LIGHT(SHADE_LIGHT_POINT, false)
 	FROM_LIGHT(SHADE_LIGHT_SPOT, false)
