@@ -78,7 +78,7 @@ static VkResult device_make(gpu_vulkan *gpu)
 		.samplerAnisotropy = can.features.samplerAnisotropy,
 		.imageCubeArray = can.features.imageCubeArray,
 		.textureCompressionBC = can.features.textureCompressionBC,
-		.shaderInt64 = can.features.shaderInt64,
+		.shaderInt64 = VK_TRUE,
 		.independentBlend = can.features.independentBlend,
 		.fragmentStoresAndAtomics = can.features.fragmentStoresAndAtomics,
 		.vertexPipelineStoresAndAtomics = can.features.vertexPipelineStoresAndAtomics,

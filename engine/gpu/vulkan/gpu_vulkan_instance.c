@@ -277,6 +277,7 @@ static const char *gpu_missing(VkPhysicalDevice gpu)
 		{v12.timelineSemaphore, "timelineSemaphore"},
 		{features.features.multiDrawIndirect, "multiDrawIndirect"},
 		{features.features.drawIndirectFirstInstance, "drawIndirectFirstInstance"},
+		{features.features.shaderInt64, "shaderInt64"},
 	};
 	for (size_t i = 0; i < sizeof needs / sizeof *needs; i++)
 		if (!needs[i].there)

@@ -73,19 +73,27 @@ shade_frame frame_here(vec3 n)
 // and 512 (1 + its place in the buffer of shadows), where there is one.
 uint light_shadow = 0u;
 
-// A light of the view's list. Whole vec4s are loaded: if .xyz and .w are loaded separately, lavapipe (Mesa 22.3) reads
-// .w as 0.
+// A light of the view's list; of what its kinds do not have nothing is loaded.
 shade_light light_of(uint index)
 {
-	vec4 position_kind = push.view.lights.lights[index].position_kind;
-	vec4 direction_reach = push.view.lights.lights[index].direction_reach;
-	vec4 intensity_inner = push.view.lights.lights[index].intensity_inner;
+	const bool has_angle = (lights & (1u << SHADE_LIGHT_SPOT)) != 0;
+	const bool has_radius = (lights & (1u << SHADE_LIGHT_SPHERE | 1u << SHADE_LIGHT_DISK)) != 0;
+	const bool has_sides = (lights & (1u << SHADE_LIGHT_RECTANGLE)) != 0 || lights_panorama;
+	Pairs from = Pairs(push.view.lights);
+	uint at = LIGHT_PAIRS * index;
+	vec4 position_kind = two_pairs_at(from, at);
+	vec4 direction_reach = two_pairs_at(from, at + 2u);
+	vec4 intensity_inner = two_pairs_at(from, at + 4u);
 	vec4 half_x_outer = vec4(0.0);
 	vec4 half_y_radius = vec4(0.0);
-	if ((lights & 63u & ~(1u << SHADE_LIGHT_POINT | 1u << SHADE_LIGHT_DIRECTIONAL)) != 0 || lights_panorama) {
-		half_x_outer = push.view.lights.lights[index].half_x_outer;
-		half_y_radius = push.view.lights.lights[index].half_y_radius;
-	}
+	if (has_sides)
+		half_x_outer = two_pairs_at(from, at + 6u);
+	else if (has_angle)
+		half_x_outer.zw = pair_at(from, at + 7u);
+	if (has_sides)
+		half_y_radius = two_pairs_at(from, at + 8u);
+	else if (has_radius)
+		half_y_radius.zw = pair_at(from, at + 9u);
 	int kind = int(position_kind.w);
 	light_shadow = uint(kind) >> 5;
 	return shade_light(kind & 7, lights_end ? kind >> 3 & 3 : SHADE_FALLOFF_PHYSICAL, position_kind.xyz,

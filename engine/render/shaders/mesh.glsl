@@ -1,5 +1,6 @@
 // Data that the mesh shaders share with the CPU: buffers by address, laid out as in render_internal.h and
 // device/render_device.h.
+#extension GL_ARB_gpu_shader_int64 : require
 #include "row.glsl"
 
 // As render_material.
@@ -22,6 +23,21 @@ struct Light {
 };
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Lights { Light lights[]; };
+
+// Numbers of a buffer by twos. Software devices load from an address number by number, one of 64 bits as fast as one of
+// 32: what pixels load one after the other, their lights, they load so.
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Pairs { uint64_t pairs[]; };
+#define LIGHT_PAIRS 10u // of a light
+
+vec2 pair_at(Pairs from, uint index)
+{
+	return uintBitsToFloat(unpackUint2x32(from.pairs[index]));
+}
+
+vec4 two_pairs_at(Pairs from, uint index)
+{
+	return vec4(pair_at(from, index), pair_at(from, index + 1u));
+}
 
 // As render_light_lists: for each cell where its list begins, and one more; then all places of lights, if there are
 // some; then the lists, as far as there is room.
