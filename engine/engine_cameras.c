@@ -205,34 +205,15 @@ void engine_cameras_frame(stilb_engine *engine)
 	engine->pass_count = engine->view_count;
 }
 
-/* Moves what a matrix projects, in shares of half a picture. */
-static void camera_move(stilb_mat4 *m, const float by[2])
-{
-	for (int c = 0; c < 4; c++)
-		for (int r = 0; r < 2; r++)
-			m->m[4 * c + r] += by[r] * m->m[4 * c + 3];
-}
-
-void engine_cameras_jitter(stilb_engine *engine, engine_steady *steady)
+void engine_cameras_jitter(stilb_engine *engine)
 {
 	stilb_render_view *view = &engine->views[0];
-	engine_last *last = &engine->lasts[0];
-	*steady = (engine_steady){view->view_projection, last->view_projection};
 	if (engine->desc.post.aa != STILB_POST_AA_TEMPORAL || view->show != STILB_RENDER_SHOW_SHADED || !view->last)
 		return;
 	const stilb_render_target *target = &engine->targets[0];
-	float by[2];
-	stilb_post_jitter(engine->frame, by);
-	by[0] *= 2.0f / (float)target->width;
-	by[1] *= 2.0f / (float)target->height;
-	camera_move(&view->view_projection, by);
-	camera_move(&last->view_projection, by); /* velocities are without */
-}
-
-void engine_cameras_steady(stilb_engine *engine, const engine_steady *steady)
-{
-	engine->views[0].view_projection = steady->view_projection;
-	engine->lasts[0].view_projection = steady->last;
+	stilb_post_jitter(engine->frame, view->jitter);
+	view->jitter[0] *= 2.0f / (float)target->width;
+	view->jitter[1] *= 2.0f / (float)target->height;
 }
 
 void engine_cameras_drawn(stilb_engine *engine)

@@ -211,11 +211,6 @@ typedef struct engine_last {
 	stilb_mat4 view_projection;
 } engine_last;
 
-/* The matrices of the scene's own view without jitter. */
-typedef struct engine_steady {
-	stilb_mat4 view_projection, last;
-} engine_steady;
-
 /* The shadow maps of a frame; {0} at first. */
 typedef struct engine_shadows {
 	stilb_sphere bounds; /* of what is drawn, and some room */
@@ -344,10 +339,8 @@ static inline bool engine_draws_velocity(const stilb_engine *engine)
 /* Fills the tables of views, targets and passes for this frame, which has a scene. */
 void engine_cameras_frame(stilb_engine *engine);
 
-/* For the time of the replay: the jitter of temporal antialiasing, a part of a pixel, moves what the scene's own view
- * draws. Culling, levels and shadow maps have been without; so is what comes after. */
-void engine_cameras_jitter(stilb_engine *engine, engine_steady *steady);
-void engine_cameras_steady(stilb_engine *engine, const engine_steady *steady);
+/* Gives the scene's own view the jitter of temporal antialiasing, if that is on. */
+void engine_cameras_jitter(stilb_engine *engine);
 
 /* The device has got the frame. */
 void engine_cameras_drawn(stilb_engine *engine);

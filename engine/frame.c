@@ -272,13 +272,10 @@ static stilb_result debug(stilb_engine *engine)
 static stilb_result replay(stilb_engine *engine)
 {
 	PROFILE("replay");
-	engine_steady steady;
-	engine_cameras_jitter(engine, &steady);
+	engine_cameras_jitter(engine);
 	stilb_post_see(engine->post, &engine->views[0]);
-	stilb_result result = stilb_render_replay(engine->render, engine->passes, engine->frame_passes, engine->views,
-	                                          engine->view_count, engine->pool, FRAME_OWNER);
-	engine_cameras_steady(engine, &steady);
-	return result;
+	return stilb_render_replay(engine->render, engine->passes, engine->frame_passes, engine->views, engine->view_count,
+	                           engine->pool, FRAME_OWNER);
 }
 
 /* A window whose display went away during the frame is not an error: the next frame's stilb_window_poll reports it. */

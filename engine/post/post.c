@@ -197,7 +197,7 @@ void stilb_post_see(stilb_post *post, const stilb_render_view *view)
 	STILB_ASSERT(post && view && isfinite(view->exposure));
 	stilb_mat4 around = stilb_mat4_identity();
 	memcpy(&around.m[12], view->camera_position, sizeof view->camera_position);
-	around = stilb_mat4_multiply(view->view_projection, around);
+	around = stilb_mat4_multiply(stilb_render_view_drawn(view), around);
 	post->exposure = view->exposure;
 	post->shaded = view->show == STILB_RENDER_SHOW_SHADED;
 	post->shows_light = post->shaded || view->show == STILB_RENDER_SHOW_ERROR;

@@ -218,6 +218,22 @@ void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *he
 	*height = render->device->height;
 }
 
+/* Moves what a matrix projects, in x and y of clip space. */
+stilb_mat4 render_matrix_moved(const stilb_mat4 *matrix, const float by[2])
+{
+	stilb_mat4 moved = *matrix;
+	for (int c = 0; c < 4; c++)
+		for (int r = 0; r < 2; r++)
+			moved.m[4 * c + r] += by[r] * moved.m[4 * c + 3];
+	return moved;
+}
+
+stilb_mat4 stilb_render_view_drawn(const stilb_render_view *view)
+{
+	STILB_ASSERT(view);
+	return render_matrix_moved(&view->view_projection, view->jitter);
+}
+
 stilb_result stilb_render_frame_begin(stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);

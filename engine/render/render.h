@@ -690,7 +690,11 @@ typedef struct stilb_render_grade {
 typedef struct stilb_render_view {
 	const stilb_render_target *target; /* NULL: the main images, as large as the picture, which show in all of it */
 	stilb_mat4 view_projection;        /* world to clip space: depth 1 is near, 0 is far, y points down */
-	float camera_position[3];          /* world space, metres */
+	/* Moves what is drawn, and what `last` says of it, right and down by shares of half the picture, by less than half
+	 * a pixel: temporal antialiasing. Lists of lights, fading and the stream hash are as without, since what a pixel
+	 * shows stays within it. */
+	float jitter[2];
+	float camera_position[3]; /* world space, metres */
 	/* Of a target of kind DEPTH: the layer and the rectangle of it (left, top, width, height) that the view fills, and
 	 * leaves the rest of the layer; all 0: all of it. The first pass into a layer clears it, if the target is lasting
 	 * each its rectangle. */
@@ -750,6 +754,9 @@ typedef struct stilb_render_view {
 	const stilb_render_grade *grade; /* NULL: none. Of light alone; likewise with output DISPLAY. Read during replay */
 	stilb_render_dither dither;
 } stilb_render_view;
+
+/* The matrix by which the view is drawn: its view_projection, and jitter. [any-thread] */
+stilb_mat4 stilb_render_view_drawn(const stilb_render_view *view);
 
 /* The largest BRDF times cosine that a surface of the scene may have, sr^-1, shaded like that: the bound of
  * shade_brdf_peak for the lowest roughness, the highest reflectances and the layers of all materials. A roughness from

@@ -314,6 +314,37 @@ static void the_peak_is_kept(void **state)
 	stage_close(&s);
 }
 
+/* Temporal antialiasing moves what is drawn by parts of a pixel, and no light for it: the streams of frames are those
+ * without, though lights lie at the edge of the view, and some fade. */
+static void jitter_moves_no_light(void **state)
+{
+	(void)state;
+	enum { FRAMES = 3, MANY = 400 };
+	uint64_t hashes[2][FRAMES];
+	for (int jitters = 0; jitters < 2; jitters++) {
+		stilb_engine_desc desc = stilb_engine_desc_default();
+		desc.device = STILB_RENDER_DEVICE_NULL;
+		desc.profile = false;
+		desc.width = 64;
+		desc.height = 40;
+		desc.light_fade = 3.0f;
+		desc.post.aa = jitters ? STILB_POST_AA_TEMPORAL : STILB_POST_AA_NONE;
+		stage s = {0};
+		stilb_engine_report report;
+		assert_int_equal(stilb_engine_create(&desc, &s.engine), STILB_OK);
+		assert_int_equal(stilb_scene_create_stress(400, 7, &s.scene), STILB_OK);
+		assert_int_equal(stilb_scene_stress_add_lamps(s.scene, MANY), STILB_OK);
+		assert_int_equal(stilb_engine_set_scene(s.engine, s.scene), STILB_OK);
+		for (int frame = 0; frame < FRAMES; frame++) {
+			assert_int_equal(stilb_engine_frame(s.engine, &report), STILB_OK);
+			hashes[jitters][frame] = stilb_engine_stream_hash(s.engine);
+			assert_int_equal(s.engine->views[0].jitter[0] != 0.0f, jitters);
+		}
+		stage_close(&s);
+	}
+	assert_memory_equal(hashes[0], hashes[1], sizeof hashes[0]);
+}
+
 static int lights_leave(void **state)
 {
 	(void)state;
@@ -328,6 +359,7 @@ int main(void)
 		cmocka_unit_test(changes_are_saved_and_taken_back),
 		cmocka_unit_test(figures_carry_lamps),
 		cmocka_unit_test(the_peak_is_kept),
+		cmocka_unit_test(jitter_moves_no_light),
 	};
 	return cmocka_run_group_tests_name("engine_lights", tests, folder_make, lights_leave);
 }

@@ -31,7 +31,7 @@ static void backdrop_axis(const float matrix[16], size_t row, float out[4])
 
 void render_backdrop_axes(const stilb_render_view *view, float ahead[4], float across[4], float down[4])
 {
-	stilb_mat4 straight = view->view_projection;
+	stilb_mat4 straight = stilb_render_view_drawn(view);
 	float *m = straight.m, shift[2];
 	backdrop_axis(m, 3, ahead);   /* a unit row: where the camera looks */
 	for (int r = 0; r < 2; r++) { /* by how much the middle of the picture lies beside it */

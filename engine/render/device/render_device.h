@@ -47,9 +47,11 @@ typedef struct render_view_data {
 	float from_clip[16];            /* clip space to the world */
 	float harmonics[9][4];
 	float mirrored[4];
+	float jitter[2]; /* stilb_render_view.jitter */
+	float unused[2];
 } render_view_data;
 
-static_assert(sizeof(render_view_data) == 432, "std430");
+static_assert(sizeof(render_view_data) == 448, "std430");
 
 typedef struct render_view_push {
 	float camera_position[4];

@@ -80,8 +80,11 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	const stilb_render_view *view = stream->view;
 	uint32_t index = device->frame.views++;
 	STILB_ASSERT(index < STILB_RENDER_MAX_PASSES);
+	STILB_ASSERT(fabsf(view->jitter[0]) * (float)width < 1.0f && fabsf(view->jitter[1]) * (float)height < 1.0f);
 	render_view_data *out = (render_view_data *)slot->views.mapped + index;
-	memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
+	stilb_mat4 drawn = stilb_render_view_drawn(view), last = view->last ? *view->last : view->view_projection;
+	stilb_mat4 last_drawn = render_matrix_moved(&last, view->jitter), from_clip = stilb_mat4_inverse(&drawn);
+	memcpy(out->view_projection, drawn.m, sizeof out->view_projection);
 	render_ambient ambient;
 	render_ambient_of(view, stream->panorama, &ambient);
 	memcpy(out->sky, ambient.sky, sizeof out->sky);
@@ -94,10 +97,9 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	out->half_size[0] = 0.5f * (float)width;
 	out->half_size[1] = 0.5f * (float)height;
 	out->far = render_deferred_far(view);
-	memcpy(out->last_view_projection, view->last ? view->last->m : view->view_projection.m,
-	       sizeof out->last_view_projection);
-	stilb_mat4 from_clip = stilb_mat4_inverse(&view->view_projection);
+	memcpy(out->last_view_projection, last_drawn.m, sizeof out->last_view_projection);
 	memcpy(out->from_clip, from_clip.m, sizeof out->from_clip);
+	memcpy(out->jitter, view->jitter, sizeof out->jitter);
 	out->last_vertices = device->heaps[RENDER_HEAP_LAST].address;
 	out->shadows = slot->memory[RENDER_MEMORY_LIGHT_LISTS].address + stream->lights.shadows * sizeof(float[4]);
 	render_view_push push = {

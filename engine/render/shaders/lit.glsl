@@ -191,7 +191,8 @@ vec2 pixel_here()
 		return gl_FragCoord.xy;
 	vec2 size = 2.0 * vec2(push.view.rest.half_width, push.view.rest.half_height);
 	vec4 clip = push.view.rest.view_projection * vec4(world_position, 1.0);
-	return clamp((clip.xy / clip.w * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
+	vec2 place = clip.xy / clip.w - push.view.rest.jitter; // lists are as without
+	return clamp((place * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
 }
 
 // Where the list of lights for the point that is lit begins and ends, among the words of the lists.

@@ -115,6 +115,8 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	mat4 from_clip; // clip space to the world
 	vec4 harmonics[9];
 	vec4 mirrored; // the share of their bands that highlights have at most
+	vec2 jitter;   // of clip space: by which view_projection moves what is drawn
+	vec2 unused;
 };
 
 // As render_view_push: what pixels read of a view. Software devices load from a buffer lane by lane, from constants at

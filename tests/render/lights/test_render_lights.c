@@ -59,6 +59,36 @@ static void all_ways(field *f, const char *what)
 	stilb_image_finish(&forward);
 }
 
+/* Jitter draws as another matrix would, and finds the same lights: lists, and the stream hash, are as without. */
+static void moved_by_a_part_of_a_pixel(field *f)
+{
+	stilb_mat4 still = f->view.view_projection;
+	float by[2] = {0.98f / WIDTH, -0.96f / HEIGHT};
+	memcpy(f->view.jitter, by, sizeof by);
+	static const stilb_render_lighting some[] = {STILB_RENDER_LIGHTING_DEFERRED, STILB_RENDER_LIGHTING_TILED_DEFERRED,
+	                                             STILB_RENDER_LIGHTING_TILED_FORWARD};
+	stilb_image jittered = field_picture(f, STILB_RENDER_LIGHTING_CLUSTERED, 1);
+	uint64_t hash = stilb_render_stream_hash(f->render);
+	f->view.view_projection = stilb_render_view_drawn(&f->view);
+	memset(f->view.jitter, 0, sizeof f->view.jitter);
+	stilb_image moved = field_picture(f, STILB_RENDER_LIGHTING_FORWARD, 1);
+	assert_same_bits("moved by its matrix", &moved, &jittered);
+	f->view.view_projection = still;
+	memcpy(f->view.jitter, by, sizeof by);
+	for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
+		stilb_image picture = field_picture(f, some[i], 1);
+		assert_as_forward("moved by a part of a pixel", some[i], &moved, &picture);
+		stilb_image_finish(&picture);
+	}
+	memset(f->view.jitter, 0, sizeof f->view.jitter);
+	stilb_image without = field_picture(f, STILB_RENDER_LIGHTING_CLUSTERED, 1);
+	assert_int_equal(stilb_render_stream_hash(f->render), hash);
+	assert_true(memcmp(without.pixels, jittered.pixels, stilb_image_size(&without)) != 0);
+	stilb_image_finish(&without);
+	stilb_image_finish(&moved);
+	stilb_image_finish(&jittered);
+}
+
 static void a_field_of_balls(void **state)
 {
 	(void)state;
@@ -78,6 +108,7 @@ static void a_field_of_balls(void **state)
 	f.view.view_projection = reference_matrix(&inside);
 	memcpy(f.view.camera_position, (float[3]){0.4f, 0.9f, 0.3f}, sizeof f.view.camera_position);
 	all_ways(&f, "among the lamps");
+	moved_by_a_part_of_a_pixel(&f);
 	/* Lamps around the viewer that end beyond the far end. */
 	stilb_mat4 eye = stilb_mat4_view(stilb_vec3_make(0.4f, 0.9f, 0.3f), 0.4f, -0.9f);
 	f.view.view_projection =
@@ -204,18 +235,28 @@ static void as_displays_show_it(void **state)
 }
 
 /* With several samples a pixel the ways of one sample are clustered, and lists are the same bits, too. */
+static void several_samples_as_forward(field *f, const char *what)
+{
+	static const stilb_render_lighting some[] = {STILB_RENDER_LIGHTING_CLUSTERED, STILB_RENDER_LIGHTING_DEFERRED,
+	                                             STILB_RENDER_LIGHTING_TILED_FORWARD};
+	stilb_image forward = field_picture(f, STILB_RENDER_LIGHTING_FORWARD, 1);
+	for (uint32_t i = 0; i < sizeof some / sizeof *some; i++) {
+		stilb_image picture = field_picture(f, some[i], 1);
+		assert_same_bits(what, &forward, &picture);
+		stilb_image_finish(&picture);
+	}
+	stilb_image_finish(&forward);
+}
+
 static void several_samples(void **state)
 {
 	(void)state;
 	field f = field_open(STILB_RENDER_OUTPUT_LINEAR, 1, 4);
+	memcpy(f.view.jitter, (float[2]){0.98f / WIDTH, 0.98f / HEIGHT}, sizeof f.view.jitter);
+	several_samples_as_forward(&f, "moved");
+	memset(f.view.jitter, 0, sizeof f.view.jitter);
+	several_samples_as_forward(&f, "still");
 	stilb_image forward = field_picture(&f, STILB_RENDER_LIGHTING_FORWARD, 1);
-	static const stilb_render_lighting some[] = {STILB_RENDER_LIGHTING_CLUSTERED, STILB_RENDER_LIGHTING_DEFERRED,
-	                                             STILB_RENDER_LIGHTING_TILED_FORWARD};
-	for (uint32_t i = 0; i < sizeof some / sizeof *some; i++) {
-		stilb_image picture = field_picture(&f, some[i], 1);
-		assert_same_bits(stilb_render_lighting_names[some[i]], &forward, &picture);
-		stilb_image_finish(&picture);
-	}
 	stilb_image multipass = field_picture(&f, STILB_RENDER_LIGHTING_MULTIPASS, 1);
 	assert_true(share_off(&forward, &multipass) <
 	            0.02); /* silhouettes: the middle of what is covered, not of what is seen */
