@@ -10,6 +10,7 @@
 #include "gi/gi_scene_textures.h"
 #include "gi/gi_surface.h"
 #include "gi/integrate/gi_backdrop.h"
+#include "gi/lanes/gi_lanes.h"
 
 #include "profiler/prof.h"
 #include "scene/play/scene_play.h"
@@ -608,6 +609,7 @@ static uint64_t shapes_of(const stilb_scene *scene)
 static stilb_result gi_scene_make(stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc,
                                   const mesh_plan *plan)
 {
+	gi->lanes = gi_lanes_of_cpu();
 	gi->movable = desc->movable;
 	gi->geometry = shapes_of(scene);
 	gi->poses = scene->revisions.poses;

@@ -81,7 +81,8 @@ struct stilb_gi_scene {
 	stilb_owner owner; /* the thread that created it */
 	const stilb_gi_intersector *intersector;
 	gi_tracer tracer;
-	bool passes;  /* some part has gi_part.passes */
+	const struct gi_lanes_kernels *lanes; /* for the instruction set of this CPU, or the one that is asked for */
+	bool passes;                          /* some part has gi_part.passes */
 	bool flagged; /* some part has other masks than most: lights are found by other rays than surfaces are */
 	bool blends;  /* some part lets rays through by chance, so that they need a number: gi_ray.time */
 	uint32_t mesh_count, part_count, material_count, surface_count, texture_count;

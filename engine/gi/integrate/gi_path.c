@@ -11,6 +11,7 @@
  * once, ...
  */
 #include "gi/integrate/gi_direct.h"
+#include "gi/lanes/gi_lanes.h"
 #include "gi/trace/gi_ray.h"
 #include "gi/trace/gi_through.h"
 #include "profiler/prof.h"
@@ -41,6 +42,7 @@ typedef struct path_wave {
 	/* Light counts only if it is reflected at least so often on its way to the camera: direct_from is for lights that
 	 * are sampled, emission_from for emitters that the path's ray hits. */
 	uint32_t direct_from, emission_from;
+	bool lanes_ask; /* a vertex asks lights with a place alone, and all parts are lit by the same */
 	uint32_t count, shadow_count;
 	path_state *paths;    /* [count] */
 	gi_ray_hit *rays;     /* [count] id: part of the surface that the ray left */
@@ -57,7 +59,16 @@ typedef struct path_vertex {
 	stilb_vec3 origin; /* of rays that leave the surface */
 	float numbers[8];
 	uint32_t path; /* index in path_wave.paths */
+	bool matt;     /* its next ray is the lane's, */
+	bool asked;    /* and so is the light that it asks */
 } path_vertex;
+
+/* Vertices whose lanes are computed together. */
+typedef struct path_group {
+	path_vertex *vertices; /* [count] */
+	uint32_t count;        /* 1 .. GI_LANES */
+	gi_lanes lanes;
+} path_group;
 
 /* ---- one vertex -------------------------------------------------------------------------------------------------- */
 
@@ -141,6 +152,125 @@ static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_st
 	return true;
 }
 
+/* ---- vertices by lanes ------------------------------------------------------------------------------------------- */
+
+/* As path_ask_lights, of a vertex whose light its lane has asked. */
+static void path_light_by_lane(path_wave *wave, const path_state *path, const path_group *group, uint32_t lane)
+{
+	STILB_ASSERT(wave->shadow_count < GI_LIGHT_GROUPS * GI_BATCH);
+	const path_vertex *vertex = &group->vertices[lane];
+	const gi_lanes *lanes = &group->lanes;
+	stilb_vec3 sent = vertex->surface.diffuse * lanes->shapes[lane]->emission * lanes->weight[lane];
+	if (!(sent[0] + sent[1] + sent[2] > 0.0f))
+		return;
+	gi_ray *shadow = &wave->shadows[wave->shadow_count];
+	*shadow = gi_ray_make(lanes->origin[lane], lanes->light[lane], lanes->light[lane][3],
+	                      vertex->numbers[GI_DIMENSION_CHANCE]);
+	shadow->id = path->slot;
+	wave->direct[wave->shadow_count++] = sent * path->throughput;
+}
+
+/* As path_go_on, of a matt vertex. */
+static bool path_go_on_by_lane(const path_wave *wave, const path_group *group, uint32_t lane, path_state *path,
+                               gi_ray_hit *ray)
+{
+	const path_vertex *vertex = &group->vertices[lane];
+	stilb_vec4 next = group->lanes.next[lane];
+	if (!(next[3] > 0.0f))
+		return false;
+	path->throughput *= vertex->surface.diffuse;
+	if (wave->bounce + 1 >= ROULETTE_BOUNCE && !roulette(wave->view, path, vertex->numbers[GI_DIMENSION_ROULETTE]))
+		return false;
+	path->pdf = next[3];
+	path->normal = vertex->surface.normal;
+	*ray = gi_ray_hit_make_by(group->lanes.origin[lane], next, vertex->numbers[GI_DIMENSION_CHANCE]);
+	ray->ray.id = vertex->surface.part;
+	return true;
+}
+
+/* Chooses directions and origins of the group's matt vertices. */
+static void group_leave(const gi_view *view, path_group *group)
+{
+	bool any = false;
+	for (uint32_t k = 0; k < GI_LANES; k++) {
+		path_vertex *vertex = &group->vertices[k < group->count ? k : 0];
+		vertex->matt = gi_bsdf_is_matt(&view->settings.model, &vertex->surface);
+		vertex->asked = false;
+		group->lanes.surfaces[k] = &vertex->surface;
+		group->lanes.numbers[k] = vertex->numbers;
+		any |= vertex->matt;
+	}
+	if (any)
+		view->scene->lanes->leave(&group->lanes);
+}
+
+/* Chooses the light of a matt vertex. True if its lane can ask it, or there is none. */
+static bool lane_choose(const gi_lights *lights, path_group *group, uint32_t lane)
+{
+	const path_vertex *vertex = &group->vertices[lane];
+	gi_lanes *lanes = &group->lanes;
+	uint32_t light = gi_light_choose(lights, lanes->origin[lane], vertex->surface.normal,
+	                                 vertex->numbers[GI_DIMENSION_CHOICE], &lanes->chance[lane]);
+	lanes->shapes[lane] = light == GI_LIGHT_LEAF ? NULL : gi_light_rectangle(lights, light);
+	STILB_ASSERT(!lanes->shapes[lane] || !lanes->shapes[lane]->unmet);
+	return light == GI_LIGHT_LEAF || lanes->shapes[lane];
+}
+
+/* Asks the lights of matt vertices, where these are rectangles. */
+static void group_ask(const gi_view *view, path_group *group)
+{
+	gi_lanes *lanes = &group->lanes;
+	const gi_light_shape *any = NULL;
+	for (uint32_t k = 0; k < group->count; k++) {
+		path_vertex *vertex = &group->vertices[k];
+		vertex->asked = vertex->matt && lane_choose(gi_view_lights(view), group, k);
+		if (vertex->asked && lanes->shapes[k])
+			any = lanes->shapes[k];
+	}
+	for (uint32_t k = 0; k < GI_LANES; k++)
+		if (k >= group->count || !group->vertices[k].asked || !lanes->shapes[k]) {
+			lanes->shapes[k] = any;
+			lanes->chance[k] = lanes->weight[k] = 0.0f;
+		}
+	if (any)
+		view->scene->lanes->ask(lanes);
+}
+
+/* Adds shadow rays of the group's vertices to the wave, and makes the BSDFs that its lanes do without. */
+static void group_light(path_wave *wave, path_group *group)
+{
+	const gi_view *view = wave->view;
+	bool ask = wave->bounce + 1 >= wave->direct_from;
+	if (ask && wave->lanes_ask)
+		group_ask(view, group);
+	for (uint32_t k = 0; k < group->count; k++) {
+		path_vertex *vertex = &group->vertices[k];
+		const path_state *path = &wave->paths[vertex->path];
+		if (vertex->asked && group->lanes.weight[k] > 0.0f)
+			path_light_by_lane(wave, path, group, k);
+		if (vertex->asked || (vertex->matt && !ask))
+			continue;
+		stilb_vec3 to_viewer = -gi_ray_direction(&wave->rays[vertex->path].ray);
+		gi_bsdf_make(&view->settings.model, &vertex->surface, to_viewer, &vertex->bsdf);
+		vertex->origin = gi_surface_ray_origin(&vertex->surface, vertex->surface.geometric);
+		if (ask)
+			path_ask_lights(wave, path, vertex);
+	}
+}
+
+/* Moves paths that continue to index `kept` and following; returns the index behind the last of these. */
+static uint32_t group_go_on(path_wave *wave, const path_group *group, uint32_t kept)
+{
+	for (uint32_t k = 0; k < group->count; k++) {
+		const path_vertex *vertex = &group->vertices[k];
+		path_state *path = &wave->paths[kept];
+		gi_ray_hit *ray = &wave->rays[kept];
+		*path = wave->paths[vertex->path];
+		kept += vertex->matt ? path_go_on_by_lane(wave, group, k, path, ray) : path_go_on(wave, vertex, path, ray);
+	}
+	return kept;
+}
+
 /* ---- waves ------------------------------------------------------------------------------------------------------- */
 
 /* Shades paths first .. first + count - 1, each stage for all of them before the next, so that one vertex's
@@ -160,18 +290,13 @@ static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count,
 	for (uint32_t k = 0; k < live; k++)
 		gi_sample_8(&view->sampler, wave->paths[vertices[k].path].point, GI_DIMENSION_OF(wave->vertex),
 		            vertices[k].numbers);
-	for (uint32_t k = 0; k < live; k++) {
-		path_vertex *vertex = &vertices[k];
-		stilb_vec3 to_viewer = -gi_ray_direction(&wave->rays[vertex->path].ray);
-		gi_bsdf_make(&view->settings.model, &vertex->surface, to_viewer, &vertex->bsdf);
-		vertex->origin = gi_surface_ray_origin(&vertex->surface, vertex->surface.geometric);
-	}
-	if (wave->bounce + 1 >= wave->direct_from)
-		for (uint32_t k = 0; k < live; k++)
-			path_ask_lights(wave, &wave->paths[vertices[k].path], &vertices[k]);
-	for (uint32_t k = 0; k < live; k++) {
-		wave->paths[kept] = wave->paths[vertices[k].path];
-		kept += path_go_on(wave, &vertices[k], &wave->paths[kept], &wave->rays[kept]);
+	for (uint32_t k = 0; k < live; k += GI_LANES) {
+		path_group group; /* not cleared: lanes are large */
+		group.vertices = &vertices[k];
+		group.count = live - k < GI_LANES ? live - k : GI_LANES;
+		group_leave(view, &group);
+		group_light(wave, &group);
+		kept = group_go_on(wave, &group, kept);
 	}
 	return kept;
 }
@@ -297,7 +422,11 @@ static path_wave wave_begin(gi_batch *batch)
 	const stilb_gi_settings *settings = &batch->view->settings;
 	path_scratch *scratch = batch->scratch;
 	bool indirect = settings->only == STILB_GI_ONLY_INDIRECT;
+	const gi_lights *lights = gi_view_lights(batch->view);
+	bool others = gi_light_is_asked(lights, GI_LIGHT_SUNS, false) || gi_light_is_asked(lights, GI_LIGHT_AROUND, false);
 	return (path_wave){.view = batch->view,
+	                   .lanes_ask =
+	                       !others && !batch->view->scene->flagged && gi_light_is_asked(lights, GI_LIGHT_PLACED, false),
 	                   .depth = settings->depth,
 	                   .direct_from = indirect ? 2 : 1,
 	                   .emission_from = indirect ? 2 : 0,

@@ -211,20 +211,37 @@ static uint32_t choose_sun(const gi_lights *lights, stilb_vec3 normal, float u, 
 
 /* ---- the interface ----------------------------------------------------------------------------------------------- */
 
+uint32_t gi_light_choose(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice,
+                         float *probability)
+{
+	STILB_ASSERT(lights->placed_count > 0);
+	uint32_t leaf = gi_light_tree_choose(&lights->tree, position, normal, u_choice, probability);
+	return leaf == GI_LIGHT_LEAF ? GI_LIGHT_LEAF : lights->tree.nodes[leaf].light;
+}
+
+const struct gi_light_shape *gi_light_rectangle(const gi_lights *lights, uint32_t light)
+{
+	return light < lights->shape_count && lights->shapes[light].rectangle ? &lights->shapes[light] : NULL;
+}
+
+bool gi_light_sample_chosen(const gi_lights *lights, uint32_t light, stilb_vec3 position, stilb_vec2 u,
+                            gi_light_sample *sample)
+{
+	STILB_ASSERT(light < lights->shape_count + lights->listed_count);
+	return light < lights->shape_count
+	           ? gi_light_shape_sample(&lights->shapes[light], position, u, sample)
+	           : gi_light_listed_sample(&lights->listed[light - lights->shape_count], position, u, sample);
+}
+
 static bool sample_placed(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice, stilb_vec2 u,
                           gi_light_sample *sample)
 {
 	float probability;
-	uint32_t leaf = gi_light_tree_choose(&lights->tree, position, normal, u_choice, &probability);
-	if (leaf == GI_LIGHT_LEAF)
+	uint32_t light = gi_light_choose(lights, position, normal, u_choice, &probability);
+	if (light == GI_LIGHT_LEAF || !gi_light_sample_chosen(lights, light, position, u, sample))
 		return false;
-	uint32_t light = lights->tree.nodes[leaf].light;
-	bool found = light < lights->shape_count
-	                 ? gi_light_shape_sample(&lights->shapes[light], position, u, sample)
-	                 : gi_light_listed_sample(&lights->listed[light - lights->shape_count], position, u, sample);
-	if (found)
-		sample->pdf *= probability;
-	return found;
+	sample->pdf *= probability;
+	return true;
 }
 
 bool gi_light_is_asked(const gi_lights *lights, gi_light_group group, bool all)

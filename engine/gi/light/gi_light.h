@@ -81,6 +81,18 @@ bool gi_light_is_asked(const gi_lights *lights, gi_light_group group, bool all);
 bool gi_light_sample_at(const gi_lights *lights, gi_light_group group, bool all, stilb_vec3 position, stilb_vec3 normal,
                         float u_choice, stilb_vec2 u, gi_light_sample *sample);
 
+/* gi_light_sample_at of GI_LIGHT_PLACED in two steps. The first chooses a light and returns its number, with the
+ * probability of that choice, or GI_LIGHT_LEAF: none sends anything to this point. */
+uint32_t gi_light_choose(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice,
+                         float *probability);
+
+/* The shape of the light, if it is a rectangle of triangles that emit: gi_lanes.h samples it; else NULL. */
+const struct gi_light_shape *gi_light_rectangle(const gi_lights *lights, uint32_t light);
+
+/* The second step; sample->pdf does not include the choice. */
+bool gi_light_sample_chosen(const gi_lights *lights, uint32_t light, stilb_vec3 position, stilb_vec2 u,
+                            gi_light_sample *sample);
+
 /* The density, per steradian, with which gi_light_sample_at chooses the direction of a ray from position that hit
  * the front of emitter `light`, < emitter_count, at this distance. */
 float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t light, float distance);

@@ -2,18 +2,16 @@
 
 #include "gi/gi_surface.h"
 #include "gi/gi_vector.h"
+#include "gi/light/gi_light_rectangle.h"
 #include "shading/shade_constants.h"
 
 #include <math.h>
 #include <string.h>
 
-#define NEAR 0.2f             /* area over squared distance, above which sampling by solid angle is worth its time */
-#define SOLID_ANGLE_MIN 0.01f /* sr: below it, rounding errors of the angles would be visible */
 /* Two triangles count as a rectangle if the cosine between its edges, and the gap between the corners that they share,
  * relative to the edges' length, are at most this. */
 #define SQUARE_ANGLE 1e-5f
 #define BELOW_ONE 0.99999994f /* the largest float below 1 */
-#define SQUARE_MIN 1e-14f     /* lower bound of divisors */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
@@ -82,54 +80,12 @@ bool gi_light_shape_join(const gi_emitter *first, const gi_emitter *second, gi_l
 
 /* ---- solid angles ------------------------------------------------------------------------------------------------ */
 
-typedef int32_t lanes_mask __attribute__((vector_size(16)));
-
-static stilb_vec4 root4(stilb_vec4 x)
+/* The rectangle as seen from a point above its plane. */
+static gi_rectangle_seen rectangle_seen(const gi_light_shape *shape, stilb_vec3 to_corner, float height)
 {
-	return (stilb_vec4){sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
-}
-
-/* Arc cosine of four numbers, |x| <= 1. The error is at most 2e-8 and rounding. Source: Abramowitz and Stegun,
- * "Handbook of Mathematical Functions" (1964), 4.4.46. */
-static stilb_vec4 arc_cosine4(stilb_vec4 x)
-{
-	lanes_mask below = x < 0.0f, sign = below & INT32_MIN;
-	stilb_vec4 size = (stilb_vec4)((lanes_mask)x & INT32_MAX);
-	stilb_vec4 p = 0.0066700901f - 0.0012624911f * size;
-	p = -0.0170881256f + p * size;
-	p = 0.0308918810f + p * size;
-	p = -0.0501743046f + p * size;
-	p = 0.0889789874f + p * size;
-	p = -0.2145988016f + p * size;
-	p = 1.5707963050f + p * size;
-	stilb_vec4 angle = root4(1.0f - size) * p,
-			   pi = (stilb_vec4)((lanes_mask)(stilb_vec4){SHADE_PI, SHADE_PI, SHADE_PI, SHADE_PI} & below);
-	return pi + (stilb_vec4)((lanes_mask)angle ^ sign);
-}
-
-/* A rectangle as seen from a point above its plane, with that point as the origin, x along edge_1 and y along edge_2:
- * it is [x0, x1] x [y0, y1]. Names of Urena, Fajardo and King. normal_z: z of the normals of the planes through the
- * point and the edges at y0, x1, y1, x0. The sum of the angles between neighbouring planes less 2 pi is the solid
- * angle. */
-typedef struct spherical_rectangle {
-	float x0, x1, y0, y1;
-	stilb_vec4 normal_z, angles; /* angles[i]: from plane i to the next */
-	float solid_angle;
-} spherical_rectangle;
-
-static spherical_rectangle rectangle_seen(const gi_light_shape *shape, stilb_vec3 to_corner, float height)
-{
-	spherical_rectangle seen;
-	seen.x0 = stilb_vec3_dot(to_corner, shape->unit_1);
-	seen.x1 = seen.x0 + shape->length_1;
-	seen.y0 = stilb_vec3_dot(to_corner, shape->unit_2);
-	seen.y1 = seen.y0 + shape->length_2;
-	stilb_vec4 side = {-seen.y0, seen.x1, seen.y1, -seen.x0};
-	seen.normal_z = side / root4(side * side + height * height);
-	stilb_vec4 next = {seen.normal_z[1], seen.normal_z[2], seen.normal_z[3], seen.normal_z[0]};
-	seen.angles = arc_cosine4(-seen.normal_z * next);
-	seen.solid_angle = seen.angles[0] + seen.angles[1] - (2.0f * SHADE_PI - seen.angles[2] - seen.angles[3]);
-	return seen;
+	STILB_ASSERT(shape->rectangle);
+	return gi_rectangle_see(stilb_vec3_dot(to_corner, shape->unit_1), stilb_vec3_dot(to_corner, shape->unit_2),
+	                        shape->length_1, shape->length_2, height);
 }
 
 /* Solid angle of a triangle, seen from a point. height: of the point above its plane, > 0. a: vector from the point to
@@ -145,16 +101,14 @@ static float triangle_angle(const gi_light_shape *shape, stilb_vec3 a, float hei
 static bool is_near(const gi_light_shape *shape, stilb_vec3 position)
 {
 	stilb_vec3 to_center = shape->center - position;
-	return shape->area > NEAR * stilb_vec3_dot(to_center, to_center);
+	return shape->area > GI_LIGHT_NEAR * stilb_vec3_dot(to_center, to_center);
 }
 
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
-/* A point of the shape, uniform by area, as a vector from the point that sees it. */
+/* A point of the triangle, uniform by area, as a vector from the point that sees it. */
 static stilb_vec3 point_by_area(const gi_light_shape *shape, stilb_vec3 to_corner, stilb_vec2 u)
 {
-	if (shape->rectangle)
-		return to_corner + shape->edge_1 * u[0] + shape->edge_2 * u[1];
 	float root = sqrtf(u[0]);
 	return to_corner + shape->edge_1 * (root * (1.0f - u[1])) + shape->edge_2 * (root * u[1]);
 }
@@ -162,27 +116,6 @@ static stilb_vec3 point_by_area(const gi_light_shape *shape, stilb_vec3 to_corne
 static float limited(float x, float low, float high)
 {
 	return x < low ? low : x > high ? high : x;
-}
-
-/* A point of the rectangle, uniform by solid angle: first that x for which the part of the rectangle from x0 to x has
- * the share u[0] of the solid angle, then y, uniform in the sine of its angle as seen from the point. The source
- * (Urena, Fajardo, King) has x = cu height / sqrt(1 - cu^2), with cu = +-1 / sqrt(fu^2 + b0^2) and fu = across / sine;
- * here it is rewritten with one square root. */
-static stilb_vec3 point_of_rectangle(const gi_light_shape *shape, stilb_vec3 to_corner, float height,
-                                     const spherical_rectangle *seen, stilb_vec2 u)
-{
-	STILB_ASSERT(shape->rectangle);
-	float b0 = seen->normal_z[0], b1 = seen->normal_z[2], x0 = seen->x0, y0 = seen->y0, y1 = seen->y1;
-	float au = u[0] * seen->solid_angle + (2.0f * SHADE_PI - seen->angles[2] - seen->angles[3]);
-	float sine = sinf(au), across = cosf(au) * b0 - b1, height2 = height * height;
-	/* 1 - b0^2 is height2 / (height2 + y0 * y0) */
-	float below = across * across - sine * sine * (height2 / (height2 + y0 * y0));
-	float size = height * fabsf(sine) / sqrtf(below > SQUARE_MIN ? below : SQUARE_MIN);
-	float xu = limited(across * sine < 0.0f ? -size : size, x0, seen->x1), d2 = xu * xu + height2;
-	float h0 = y0 / sqrtf(d2 + y0 * y0), h1 = y1 / sqrtf(d2 + y1 * y1), hv = h0 + u[1] * (h1 - h0);
-	float rest = 1.0f - hv * hv;
-	float yv = limited(hv * sqrtf(d2 / (rest > SQUARE_MIN ? rest : SQUARE_MIN)), y0, y1);
-	return to_corner + shape->unit_1 * (xu - x0) + shape->unit_2 * (yv - y0);
 }
 
 /* The part of v that is perpendicular to the unit vector a, normalised. */
@@ -221,23 +154,31 @@ static stilb_vec3 point_of_triangle(const gi_light_shape *shape, stilb_vec3 to_c
 
 /* ---- sampling ---------------------------------------------------------------------------------------------------- */
 
-/* Sets point to one of the shape that is uniform by solid angle. Returns the solid angle, or 0, without a point, if it
- * is too small to be computed well. */
-static float near_point(const gi_light_shape *shape, stilb_vec3 to_corner, float height, stilb_vec2 u,
-                        stilb_vec3 *point)
+/* Sets to_light to a point of the rectangle, as a vector from the point that sees it. Returns the solid angle if it is
+ * uniform by that; 0: it is uniform by area. */
+static float rectangle_point(const gi_light_shape *shape, stilb_vec3 to_corner, float height, stilb_vec2 u,
+                             stilb_vec3 *to_light)
 {
-	if (shape->rectangle) {
-		spherical_rectangle seen = rectangle_seen(shape, to_corner, height);
-		if (!(seen.solid_angle > SOLID_ANGLE_MIN))
-			return 0.0f;
-		*point = point_of_rectangle(shape, to_corner, height, &seen, u);
-		return seen.solid_angle;
+	gi_rectangle_seen seen = rectangle_seen(shape, to_corner, height);
+	bool by_angle = gi_rectangle_is_near(&seen, shape->area) && seen.solid_angle > GI_LIGHT_ANGLE_MIN;
+	float x = u[0] * shape->length_1, y = u[1] * shape->length_2;
+	if (by_angle)
+		gi_rectangle_by_angle(&seen, u[0], u[1], &x, &y);
+	*to_light = to_corner + shape->unit_1 * x + shape->unit_2 * y;
+	return by_angle ? seen.solid_angle : 0.0f;
+}
+
+/* As rectangle_point, of a triangle. */
+static float triangle_point(const gi_light_shape *shape, stilb_vec3 position, stilb_vec3 to_corner, float height,
+                            stilb_vec2 u, stilb_vec3 *to_light)
+{
+	float angle = is_near(shape, position) ? triangle_angle(shape, to_corner, height) : 0.0f;
+	if (angle > GI_LIGHT_ANGLE_MIN) {
+		*to_light = point_of_triangle(shape, to_corner, height, angle, u);
+		return angle;
 	}
-	float angle = triangle_angle(shape, to_corner, height);
-	if (!(angle > SOLID_ANGLE_MIN))
-		return 0.0f;
-	*point = point_of_triangle(shape, to_corner, height, angle, u);
-	return angle;
+	*to_light = point_by_area(shape, to_corner, u);
+	return 0.0f;
 }
 
 /* Density per steradian of a point that is uniform by area: distance^2 / (cosine area), cosine = height / distance. */
@@ -263,9 +204,8 @@ bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, sti
 	if (!(height > 0.0f))
 		return false;
 	stilb_vec3 to_light;
-	float angle = is_near(shape, position) ? near_point(shape, to_corner, height, u, &to_light) : 0.0f;
-	if (angle == 0.0f)
-		to_light = point_by_area(shape, to_corner, u);
+	float angle = shape->rectangle ? rectangle_point(shape, to_corner, height, u, &to_light)
+	                               : triangle_point(shape, position, to_corner, height, u, &to_light);
 	float distance = gi_length(to_light);
 	float scale = 1.0f / distance;
 	sample->direction = to_light * scale;
@@ -283,12 +223,15 @@ float gi_light_shape_density(const gi_light_shape *shape, stilb_vec3 position, f
 	float height = -stilb_vec3_dot(to_corner, shape->normal);
 	if (!(height > 0.0f))
 		return 0.0f;
-	if (is_near(shape, position)) {
-		float angle = shape->rectangle ? rectangle_seen(shape, to_corner, height).solid_angle
-		                               : triangle_angle(shape, to_corner, height);
-		if (angle > SOLID_ANGLE_MIN)
-			return 1.0f / angle;
+	float angle = 0.0f;
+	if (shape->rectangle) {
+		gi_rectangle_seen seen = rectangle_seen(shape, to_corner, height);
+		angle = gi_rectangle_is_near(&seen, shape->area) ? seen.solid_angle : 0.0f;
+	} else if (is_near(shape, position)) {
+		angle = triangle_angle(shape, to_corner, height);
 	}
+	if (angle > GI_LIGHT_ANGLE_MIN)
+		return 1.0f / angle;
 	float density = density_by_area(shape, height, distance);
 	return density < INFINITY ? density : 0.0f;
 }

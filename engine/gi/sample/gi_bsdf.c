@@ -309,6 +309,12 @@ static __attribute__((noinline)) bool layered_sample(const gi_bsdf *bsdf, float 
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
+bool gi_bsdf_is_matt(const shade_brdf_model *model, const gi_surface *surface)
+{
+	stilb_vec3 specular = surface->specular;
+	return !surface->layered && (!has_highlight(model) || !(specular[0] + specular[1] + specular[2] > 0.0f));
+}
+
 void gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer, gi_bsdf *bsdf)
 {
 	STILB_ASSERT(model->kind >= 0 && model->kind < SHADE_BRDF_COUNT);
@@ -321,7 +327,7 @@ void gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3
 	bsdf->geometric = surface->geometric;
 	bsdf->diffuse = surface->diffuse;
 	bsdf->share = 0.0f;
-	if (!has_highlight(model) || !(specular[0] + specular[1] + specular[2] > 0.0f)) {
+	if (gi_bsdf_is_matt(model, surface)) {
 		bsdf->frame = shade_frame_from_normal(n);
 		return;
 	}

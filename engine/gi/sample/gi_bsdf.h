@@ -33,6 +33,9 @@ typedef struct gi_bsdf {
  * copy would read whole vectors whose parts have just been stored (gi_ray.h). */
 void gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer, gi_bsdf *bsdf);
 
+/* True if the surface, seen by this model, reflects as Lambert's law says and in no other way. */
+bool gi_bsdf_is_matt(const shade_brdf_model *model, const gi_surface *surface);
+
 /* Its layers; NULL: there are none. */
 static inline const gi_layers *gi_bsdf_layers(const gi_bsdf *bsdf)
 {
