@@ -42,7 +42,6 @@ typedef struct path_wave {
 	/* Light counts only if it is reflected at least so often on its way to the camera: direct_from is for lights that
 	 * are sampled, emission_from for emitters that the path's ray hits. */
 	uint32_t direct_from, emission_from;
-	bool lanes_ask; /* a vertex asks lights with a place alone, and all parts are lit by the same */
 	uint32_t count, shadow_count;
 	path_state *paths;    /* [count] */
 	gi_ray_hit *rays;     /* [count] id: part of the surface that the ray left */
@@ -59,8 +58,12 @@ typedef struct path_vertex {
 	stilb_vec3 origin; /* of rays that leave the surface */
 	float numbers[8];
 	uint32_t path; /* index in path_wave.paths */
-	bool matt;     /* its next ray is the lane's, */
-	bool asked;    /* and so is the light that it asks */
+	bool matt;     /* lanes choose its next ray */
+	/* The light that a matt vertex has chosen, GI_LIGHT_LEAF: none; the probability of that, and whether lanes ask it,
+	 * as it is a rectangle. */
+	uint32_t light;
+	float chance;
+	bool rectangle;
 } path_vertex;
 
 /* Vertices whose lanes are computed together. */
@@ -154,20 +157,52 @@ static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_st
 
 /* ---- vertices by lanes ------------------------------------------------------------------------------------------- */
 
-/* As path_ask_lights, of a vertex whose light its lane has asked. */
-static void path_light_by_lane(path_wave *wave, const path_state *path, const path_group *group, uint32_t lane)
+/* As path_ask_lights, of a matt vertex that has asked one light. light: direction to it, and in [3] t_max of the shadow
+ * ray; weight: gi_lanes.weight. */
+static void path_lit(path_wave *wave, const path_state *path, const path_vertex *vertex, stilb_vec3 origin,
+                     stilb_vec4 light, stilb_vec3 radiance, float weight)
 {
 	STILB_ASSERT(wave->shadow_count < GI_LIGHT_GROUPS * GI_BATCH);
-	const path_vertex *vertex = &group->vertices[lane];
-	const gi_lanes *lanes = &group->lanes;
-	stilb_vec3 sent = vertex->surface.diffuse * lanes->shapes[lane]->emission * lanes->weight[lane];
+	stilb_vec3 sent = vertex->surface.diffuse * radiance * weight;
 	if (!(sent[0] + sent[1] + sent[2] > 0.0f))
 		return;
 	gi_ray *shadow = &wave->shadows[wave->shadow_count];
-	*shadow = gi_ray_make(lanes->origin[lane], lanes->light[lane], lanes->light[lane][3],
-	                      vertex->numbers[GI_DIMENSION_CHANCE]);
+	*shadow = gi_ray_make(origin, light, light[3], vertex->numbers[GI_DIMENSION_CHANCE]);
 	shadow->id = path->slot;
 	wave->direct[wave->shadow_count++] = sent * path->throughput;
+}
+
+/* As path_lit, of a sample of a light that no lane has weighed. */
+static void path_lit_by(path_wave *wave, const path_state *path, const path_vertex *vertex, stilb_vec3 origin,
+                        const gi_light_sample *light)
+{
+	float cosine = stilb_vec3_dot(vertex->surface.normal, light->direction);
+	if (!(cosine > 0.0f) || !(stilb_vec3_dot(vertex->surface.geometric, light->direction) > 0.0f))
+		return;
+	float ratio = cosine * SHADE_INV_PI / light->pdf; /* as in lanes_ask */
+	stilb_vec4 towards = light->direction;
+	towards[3] = light->distance;
+	path_lit(wave, path, vertex, origin, towards, light->radiance,
+	         light->delta ? ratio : ratio / (1.0f + ratio * ratio));
+}
+
+/* Asks a matt vertex's lights but for a rectangle. */
+static void path_ask_others(path_wave *wave, const path_state *path, const path_vertex *vertex, stilb_vec3 origin)
+{
+	const gi_lights *lights = gi_view_lights(wave->view);
+	const float *numbers = vertex->numbers;
+	stilb_vec2 u = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
+	gi_light_sample light;
+	if (!vertex->rectangle && vertex->light != GI_LIGHT_LEAF &&
+	    gi_light_sample_chosen(lights, vertex->light, origin, u, &light)) {
+		light.pdf *= vertex->chance;
+		path_lit_by(wave, path, vertex, origin, &light);
+	}
+	for (gi_light_group group = GI_LIGHT_PLACED + 1; group < GI_LIGHT_GROUPS; group++)
+		if (gi_light_is_asked(lights, group, false) &&
+		    gi_light_sample_at(lights, group, false, origin, vertex->surface.normal, numbers[GI_DIMENSION_CHOICE], u,
+		                       &light))
+			path_lit_by(wave, path, vertex, origin, &light);
 }
 
 /* As path_go_on, of a matt vertex. */
@@ -195,7 +230,6 @@ static void group_leave(const gi_view *view, path_group *group)
 	for (uint32_t k = 0; k < GI_LANES; k++) {
 		path_vertex *vertex = &group->vertices[k < group->count ? k : 0];
 		vertex->matt = gi_bsdf_is_matt(&view->settings.model, &vertex->surface);
-		vertex->asked = false;
 		group->lanes.surfaces[k] = &vertex->surface;
 		group->lanes.numbers[k] = vertex->numbers;
 		any |= vertex->matt;
@@ -204,51 +238,58 @@ static void group_leave(const gi_view *view, path_group *group)
 		view->scene->lanes->leave(&group->lanes);
 }
 
-/* Chooses the light of a matt vertex. True if its lane can ask it, or there is none. */
-static bool lane_choose(const gi_lights *lights, path_group *group, uint32_t lane)
-{
-	const path_vertex *vertex = &group->vertices[lane];
-	gi_lanes *lanes = &group->lanes;
-	uint32_t light = gi_light_choose(lights, lanes->origin[lane], vertex->surface.normal,
-	                                 vertex->numbers[GI_DIMENSION_CHOICE], &lanes->chance[lane]);
-	lanes->shapes[lane] = light == GI_LIGHT_LEAF ? NULL : gi_light_rectangle(lights, light);
-	STILB_ASSERT(!lanes->shapes[lane] || !lanes->shapes[lane]->unmet);
-	return light == GI_LIGHT_LEAF || lanes->shapes[lane];
-}
-
-/* Asks the lights of matt vertices, where these are rectangles. */
+/* Chooses lights for the group's matt vertices, and asks those that are rectangles. */
 static void group_ask(const gi_view *view, path_group *group)
 {
+	const gi_lights *lights = gi_view_lights(view);
 	gi_lanes *lanes = &group->lanes;
 	const gi_light_shape *any = NULL;
-	for (uint32_t k = 0; k < group->count; k++) {
+	bool placed = gi_light_is_asked(lights, GI_LIGHT_PLACED, false);
+	for (uint32_t k = 0; k < GI_LANES; k++) {
+		lanes->shapes[k] = NULL;
+		lanes->chance[k] = 0.0f;
+		if (k >= group->count)
+			continue;
 		path_vertex *vertex = &group->vertices[k];
-		vertex->asked = vertex->matt && lane_choose(gi_view_lights(view), group, k);
-		if (vertex->asked && lanes->shapes[k])
-			any = lanes->shapes[k];
-	}
-	for (uint32_t k = 0; k < GI_LANES; k++)
-		if (k >= group->count || !group->vertices[k].asked || !lanes->shapes[k]) {
-			lanes->shapes[k] = any;
-			lanes->chance[k] = lanes->weight[k] = 0.0f;
+		vertex->light = GI_LIGHT_LEAF;
+		vertex->rectangle = false;
+		if (!placed || !vertex->matt)
+			continue;
+		vertex->light = gi_light_choose(lights, lanes->origin[k], vertex->surface.normal,
+		                                vertex->numbers[GI_DIMENSION_CHOICE], &vertex->chance);
+		const gi_light_shape *rectangle = gi_light_rectangle(lights, vertex->light);
+		STILB_ASSERT(!rectangle || !rectangle->unmet);
+		vertex->rectangle = rectangle;
+		if (rectangle) {
+			any = lanes->shapes[k] = rectangle;
+			lanes->chance[k] = vertex->chance;
 		}
-	if (any)
-		view->scene->lanes->ask(lanes);
+	}
+	if (!any)
+		return;
+	for (uint32_t k = 0; k < GI_LANES; k++)
+		lanes->shapes[k] = lanes->shapes[k] ? lanes->shapes[k] : any;
+	view->scene->lanes->ask(lanes);
 }
 
 /* Adds shadow rays of the group's vertices to the wave, and makes the BSDFs that its lanes do without. */
 static void group_light(path_wave *wave, path_group *group)
 {
 	const gi_view *view = wave->view;
-	bool ask = wave->bounce + 1 >= wave->direct_from;
-	if (ask && wave->lanes_ask)
+	const gi_lanes *lanes = &group->lanes;
+	bool ask = wave->bounce + 1 >= wave->direct_from, matt_ask = ask && !view->scene->flagged;
+	if (matt_ask)
 		group_ask(view, group);
 	for (uint32_t k = 0; k < group->count; k++) {
 		path_vertex *vertex = &group->vertices[k];
 		const path_state *path = &wave->paths[vertex->path];
-		if (vertex->asked && group->lanes.weight[k] > 0.0f)
-			path_light_by_lane(wave, path, group, k);
-		if (vertex->asked || (vertex->matt && !ask))
+		if (vertex->matt && matt_ask) {
+			if (vertex->rectangle)
+				path_lit(wave, path, vertex, lanes->origin[k], lanes->light[k], lanes->shapes[k]->emission,
+				         lanes->weight[k]);
+			path_ask_others(wave, path, vertex, lanes->origin[k]);
+		}
+		if (vertex->matt && (matt_ask || !ask))
 			continue;
 		stilb_vec3 to_viewer = -gi_ray_direction(&wave->rays[vertex->path].ray);
 		gi_bsdf_make(&view->settings.model, &vertex->surface, to_viewer, &vertex->bsdf);
@@ -422,11 +463,7 @@ static path_wave wave_begin(gi_batch *batch)
 	const stilb_gi_settings *settings = &batch->view->settings;
 	path_scratch *scratch = batch->scratch;
 	bool indirect = settings->only == STILB_GI_ONLY_INDIRECT;
-	const gi_lights *lights = gi_view_lights(batch->view);
-	bool others = gi_light_is_asked(lights, GI_LIGHT_SUNS, false) || gi_light_is_asked(lights, GI_LIGHT_AROUND, false);
 	return (path_wave){.view = batch->view,
-	                   .lanes_ask =
-	                       !others && !batch->view->scene->flagged && gi_light_is_asked(lights, GI_LIGHT_PLACED, false),
 	                   .depth = settings->depth,
 	                   .direct_from = indirect ? 2 : 1,
 	                   .emission_from = indirect ? 2 : 0,
