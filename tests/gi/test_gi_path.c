@@ -1,6 +1,7 @@
 /* The path tracer against closed forms, and against itself taken apart: furnace, cut series, direct and indirect light,
  * three estimators of one integral, and samples that do not know which batch they are in. */
 #include "gi_path_fixture.h"
+#include "gi_world_fixture.h"
 
 #include "gi/integrate/gi_direct.h"
 #include "gi/trace/gi_ray.h"
@@ -65,6 +66,28 @@ static void depth_cuts_the_series(void **state)
 		if (depth == 0)
 			assert_true(path_mean_error(&mean, 0) == 0.0);
 	}
+	path_fixture_finish(&fixture);
+}
+
+/* A matt triangle whose normals are tilted, under a white sky: what goes below it is lost, and the rest is what
+ * a tilted plane sees of the sky, (1 + cosine) / 2. */
+static void tilted_normals_see_what_is_above(void **state)
+{
+	(void)state;
+	static const float corners[3][3] = {{-100.0f, 0.0f, 100.0f}, {100.0f, 0.0f, 100.0f}, {0.0f, 0.0f, -200.0f}};
+	stilb_scene *scene = world_scene(1, 1, 1);
+	world_triangle(&scene->meshes[0], corners);
+	for (int i = 0; i < 3; i++) {
+		float normal[3] = {0.8f, 0.6f, 0.0f};
+		memcpy(scene->meshes[0].vertices[i].normal, normal, sizeof normal);
+	}
+	scene->surroundings = (stilb_scene_surroundings){.sky = {1.0f, 1.0f, 1.0f}};
+	scene->camera = (stilb_scene_camera){
+		.position = {0.0f, 5.0f, 0.0f}, .pitch = -1.5f, .fov_y = 0.5f, .near_z = 0.1f, .far_z = 1000.0f};
+	path_fixture fixture = path_fixture_make(scene);
+	gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_PATH, 32, 16);
+	path_mean mean = path_picture_mean(&view);
+	expect_mean(&mean, 0.5 * 0.5 * (1.0 + 0.6), "tilted normals");
 	path_fixture_finish(&fixture);
 }
 
@@ -263,6 +286,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(furnace_has_its_radiance_at_every_survival),
 		cmocka_unit_test(depth_cuts_the_series),
+		cmocka_unit_test(tilted_normals_see_what_is_above),
 		cmocka_unit_test(direct_and_indirect_light_are_all_light),
 		cmocka_unit_test(three_ways_to_find_light_agree),
 		cmocka_unit_test(split_is_path_with_less_noise),
