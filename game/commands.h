@@ -6,6 +6,7 @@
 #ifndef STILB_COMMANDS_H
 #define STILB_COMMANDS_H
 
+int bake_command(int argc, char **argv);
 int bench_command(int argc, char **argv); /* replaces the process by stilb-bench; returns only if that fails */
 int demo_command(int argc, char **argv);
 int info_command(int argc, char **argv);

@@ -18,6 +18,7 @@ static const struct command {
 	{"demo", demo_command, "draw the stress test: thousands of models, recorded by many threads"},
 	{"view", view_command, "show a scene in a window: a model of yours, or one that is built in"},
 	{"render", offline_command, "make a picture of a scene by ray tracing: path tracer, irradiance cache, occlusion"},
+	{"bake", bake_command, "unwrap a scene and bake the light on its surfaces: lightmaps, ambient occlusion"},
 	{"bench", bench_command, "measure culling, recording, threads, queues and jobs on this machine"},
 	{"replay", replay_command, "draw a frame that 'stilb demo --dump' wrote, and measure its commands"},
 	{"trace", trace_command, "show what takes the time in a trace file, and what got slower in another"},

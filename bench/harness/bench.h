@@ -125,8 +125,8 @@ typedef struct bench_suite {
 extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite,
 	bench_profiler_suite, bench_shade_suite, bench_gi_suite, bench_furnace_suite, bench_input_suite, bench_import_suite,
 	bench_gltf_suite, bench_simplify_suite, bench_clusters_suite, bench_lod_suite, bench_pop_suite, bench_plan_suite,
-	bench_prefilter_suite, bench_upload_suite, bench_animate_suite, bench_textured_suite, bench_lights_suite,
-	bench_shadows_suite, bench_post_suite;
+	bench_bake_suite, bench_prefilter_suite, bench_upload_suite, bench_animate_suite, bench_textured_suite,
+	bench_lights_suite, bench_shadows_suite, bench_post_suite;
 /* Suites whose cases or subjects depend on the number of CPUs; filled by the first call. */
 const bench_suite *bench_steps_suite(void);
 const bench_suite *bench_threads_suite(void);

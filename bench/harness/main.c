@@ -17,11 +17,11 @@
 #define QUICK_GIVE_UP 30
 
 static const bench_suite *const suites[] = {
-	&bench_queue_suite,  &bench_jobs_suite,      &bench_cull_suite,     &bench_record_suite,  &bench_profiler_suite,
-	&bench_shade_suite,  &bench_gi_suite,        &bench_furnace_suite,  &bench_input_suite,   &bench_import_suite,
-	&bench_gltf_suite,   &bench_simplify_suite,  &bench_clusters_suite, &bench_lod_suite,     &bench_pop_suite,
-	&bench_plan_suite,   &bench_prefilter_suite, &bench_upload_suite,   &bench_animate_suite, &bench_textured_suite,
-	&bench_lights_suite, &bench_shadows_suite,   &bench_post_suite};
+	&bench_queue_suite,    &bench_jobs_suite,     &bench_cull_suite,      &bench_record_suite, &bench_profiler_suite,
+	&bench_shade_suite,    &bench_gi_suite,       &bench_furnace_suite,   &bench_input_suite,  &bench_import_suite,
+	&bench_gltf_suite,     &bench_simplify_suite, &bench_clusters_suite,  &bench_lod_suite,    &bench_pop_suite,
+	&bench_plan_suite,     &bench_bake_suite,     &bench_prefilter_suite, &bench_upload_suite, &bench_animate_suite,
+	&bench_textured_suite, &bench_lights_suite,   &bench_shadows_suite,   &bench_post_suite};
 
 /* The i-th suite; NULL after the last. The last is `threads`, whose tables the first call of bench_threads_suite
  * fills. */

@@ -345,9 +345,8 @@ static __attribute__((noinline)) void maps_at(const stilb_gi_scene *scene, const
 
 /* ---- places ------------------------------------------------------------------------------------------------------ */
 
-/* The rounding error, metres, of two transforms: the point of an instance to world space, and, in the intersector, the
- * ray to mesh space. Each number of a transformed point is a sum of three products and a translation. */
-static float transform_error(const gi_part *part, stilb_vec3 position)
+/* Each number of a transformed point is a sum of three products and a translation. */
+float gi_transform_error(const gi_part *part, stilb_vec3 position)
 {
 	const float *t = part->to_world.m + 12;
 	return 8.0f * ROUNDING * (gi_length(position) + gi_length(stilb_vec3_make(t[0], t[1], t[2])));
@@ -389,7 +388,7 @@ void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surfac
 	surface->error = part->triangles[ray->hit.triangle].error;
 	if (part->instance) {
 		surface->position = transform_point(&part->to_world, first);
-		surface->error = surface->error * part->stretch + transform_error(part, surface->position);
+		surface->error = surface->error * part->stretch + gi_transform_error(part, surface->position);
 		normal = part->surface ? turned_alike(part->normal_to_world, normal) : rotate(part->normal_to_world, normal);
 	}
 	surface->error += place_error(surface->position, geometric);

@@ -89,6 +89,10 @@ float gi_triangle_shape_error(const float v0[3], const float v1[3], const float 
 /* An upper bound of gi_surface.error over all points of a triangle in world space, metres. */
 float gi_triangle_error(const float v0[3], const float v1[3], const float v2[3]);
 
+/* The rounding error, metres, of two transforms of an instance: of a point to world space, and, in the intersector, of
+ * the ray to mesh space. */
+float gi_transform_error(const gi_part *part, stilb_vec3 position);
+
 /* t_max of a shadow ray to a point on a light's triangle: the distance, shortened just enough that the ray does not hit
  * that triangle. error: gi_triangle_error of the triangle, metres; cosine > 0: between the ray and the triangle's
  * normal. 2^-21 of the distance is for the rounding of the ray's direction. */
