@@ -40,7 +40,8 @@ typedef struct light_bake {
 	float (*light)[3];
 	float *open;
 	uint8_t *state;
-	float (*normal_to_world)[9]; /* [part_count] cofactors of the transform: column by column */
+	float (*normal_to_world)[9]; /* [part_count] column by column */
+	bool *mirrored;              /* [part_count] the transform turns right hands into left ones */
 	uint64_t watched_ns;         /* of the calling thread */
 	/* Blocks that are done, for progress, and whether to give up. Relaxed: no data goes with them. */
 	_Atomic uint32_t done;
@@ -49,9 +50,9 @@ typedef struct light_bake {
 
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
-/* The matrix by which normals go to the world, up to their length: the cofactors, which a mirrored transform has with
- * their sign, so that normals stay on the side from which triangles are counter-clockwise. */
-static void normal_matrix(const stilb_mat4 *transform, float n[9])
+/* The matrix by which normals go to the world, up to their length: the cofactors, turned about where the transform is
+ * mirrored, which turns triangles about, too: their fronts stay where they are. Returns whether it is. */
+static bool normal_matrix(const stilb_mat4 *transform, float n[9])
 {
 	const float *m = transform->m;
 	for (int a = 0; a < 3; a++)
@@ -59,6 +60,10 @@ static void normal_matrix(const stilb_mat4 *transform, float n[9])
 			int b = (a + 1) % 3, c = (a + 2) % 3, i = (k + 1) % 3, j = (k + 2) % 3;
 			n[3 * a + k] = m[4 * b + i] * m[4 * c + j] - m[4 * b + j] * m[4 * c + i];
 		}
+	bool mirrored = m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < 0.0f;
+	for (int i = 0; i < 9 && mirrored; i++)
+		n[i] = -n[i];
+	return mirrored;
 }
 
 static stilb_vec3 transformed(const stilb_mat4 *transform, const float p[3])
@@ -71,9 +76,9 @@ static stilb_vec3 transformed(const stilb_mat4 *transform, const float p[3])
 
 /* The surface's normal at the spot: interpolated, on the triangle's front, where the file has one. */
 static stilb_vec3 spot_normal(const light_bake *bake, uint32_t part, const stilb_scene_vertex *corners[3],
-                              const stilb_bake_spot *spot, stilb_vec3 geometric)
+                              const stilb_gi_gather_point *point, stilb_vec3 geometric)
 {
-	const float *n = bake->normal_to_world[part], share[3] = {1.0f - spot->u - spot->v, spot->u, spot->v};
+	const float *n = bake->normal_to_world[part], share[3] = {1.0f - point->u - point->v, point->u, point->v};
 	float local[3] = {0.0f, 0.0f, 0.0f};
 	for (int i = 0; i < 3; i++)
 		for (int k = 0; k < 3; k++)
@@ -95,17 +100,19 @@ static void spot_point(const light_bake *bake, uint32_t texel, const stilb_bake_
 	const stilb_scene_mesh *mesh = &bake->scene->meshes[bake->scene->part_mesh[part]];
 	const stilb_scene_vertex *vertices[3];
 	stilb_vec3 corners[3];
+	bool mirrored = bake->mirrored[part];
 	for (int i = 0; i < 3; i++) {
-		vertices[i] = &mesh->vertices[mesh->indices[3 * (size_t)spot->triangle + (size_t)i]];
+		int corner = mirrored ? (3 - i) % 3 : i; /* 0, 2, 1 */
+		vertices[i] = &mesh->vertices[mesh->indices[3 * (size_t)spot->triangle + (size_t)corner]];
 		corners[i] = transformed(transform, vertices[i]->position);
 		memcpy(point->corners[i], &corners[i], sizeof point->corners[i]);
 	}
 	stilb_vec3 cross = stilb_vec3_cross(corners[1] - corners[0], corners[2] - corners[0]);
 	stilb_vec3 geometric = cross * (1.0f / sqrtf(fmaxf(stilb_vec3_dot(cross, cross), 1e-37f)));
-	stilb_vec3 normal = spot_normal(bake, part, vertices, spot, geometric);
+	point->u = mirrored ? spot->v : spot->u;
+	point->v = mirrored ? spot->u : spot->v;
+	stilb_vec3 normal = spot_normal(bake, part, vertices, point, geometric);
 	memcpy(point->normal, &normal, sizeof point->normal);
-	point->u = spot->u;
-	point->v = spot->v;
 	point->part = part;
 	point->x = texel % bake->texels->side;
 	point->y = texel / bake->texels->side + bake->texels->page * PAGE_STRIDE;
@@ -238,7 +245,7 @@ static void list_texels(light_bake *bake, size_t count)
 		if (bake->texels->place[i] != STILB_BAKE_NO_CHART)
 			bake->list[bake->count++] = (uint32_t)i;
 	for (uint32_t part = 0; part < bake->atlas->part_count; part++)
-		normal_matrix(&bake->scene->part_transform[part], bake->normal_to_world[part]);
+		bake->mirrored[part] = normal_matrix(&bake->scene->part_transform[part], bake->normal_to_world[part]);
 }
 
 stilb_result stilb_bake_light(const stilb_scene *scene, const stilb_bake_atlas *atlas, const stilb_bake_texels *texels,
@@ -254,7 +261,8 @@ stilb_result stilb_bake_light(const stilb_scene *scene, const stilb_bake_atlas *
 	bake.threads = stilb_memory_alloc((size_t)stilb_job_pool_worker_count(pool) + 1, sizeof *bake.threads);
 	bake.list = stilb_memory_alloc(texels->covered, sizeof *bake.list);
 	bake.normal_to_world = stilb_memory_alloc(atlas->part_count, sizeof *bake.normal_to_world);
-	bool good = bake.threads && bake.list && bake.normal_to_world;
+	bake.mirrored = stilb_memory_alloc(atlas->part_count, sizeof *bake.mirrored);
+	bool good = bake.threads && bake.list && bake.normal_to_world && bake.mirrored;
 	if (good) {
 		for (uint32_t i = 0; i <= stilb_job_pool_worker_count(pool); i++)
 			bake.threads[i].count = 0;
@@ -270,6 +278,7 @@ stilb_result stilb_bake_light(const stilb_scene *scene, const stilb_bake_atlas *
 	free(bake.threads);
 	free(bake.list);
 	free(bake.normal_to_world);
+	free(bake.mirrored);
 	if (!good)
 		return stilb_fail(STILB_ERROR_MEMORY, "out of memory to bake %zu texels", count);
 	if (atomic_load_explicit(&bake.stop, memory_order_relaxed)) /* relaxed: light_bake */

@@ -184,6 +184,56 @@ static void assert_mean(const sums *s, double truth, double share)
 		fail_msg("%.6f +- %.6f of %u texels, not %.6f", mean, error, s->count, truth);
 }
 
+/* Asserts that the mean is the truth within a share of it. */
+static void assert_mean_near(const sums *s, double truth, double share)
+{
+	double mean = s->sum / s->count;
+	if (!(fabs(mean / truth - 1.0) <= share))
+		fail_msg("%.6f, not %.6f", mean, truth);
+}
+
+/* Squares that are turned, stretched, mirrored, under a white sky over black ground, with normals that lean off. All is
+ * about the z axis: directions above the normal's horizon, above the square and above the ground are those between two
+ * angles, which a normal weighs with (sin high - sin low) / 2, counted from it. */
+static void test_parts_that_lean(void **state)
+{
+	(void)state;
+	static const float leans[4] = {0.4f, 1.1f, 0.7f, 0.2f},
+					   scales[4][3] = {
+						   {1.0f, 1.0f, 1.0f}, {0.5f, 3.0f, 1.2f}, {1.0f, 1.0f, -1.0f}, {-2.0f, 0.5f, 1.0f}};
+	stilb_scene *scene = squares(4);
+	const float black[3] = {0.0f, 0.0f, 0.0f};
+	double truths[4];
+	for (uint32_t p = 0; p < 4; p++) {
+		float c = cosf(leans[p]), s = sinf(leans[p]);
+		stilb_mat4 *m = &scene->part_transform[p];
+		square_mesh(&scene->meshes[p], 1.0f, 0.0f, true);
+		made_set(&m->m[0], c * scales[p][0], s * scales[p][0], 0.0f);
+		made_set(&m->m[4], -s * scales[p][1], c * scales[p][1], 0.0f);
+		made_set(&m->m[8], 0.0f, 0.0f, scales[p][2]);
+		m->m[12] = 100.0f * (float)p;
+		/* Leans by 0.2 towards x before it is stretched: (0.2, 1) becomes (0.2 / x scale, 1 / y scale). */
+		for (uint32_t v = 0; v < 4; v++)
+			made_set(scene->meshes[p].vertices[v].normal, 0.2f, 1.0f, 0.0f);
+		float x = 0.2f / scales[p][0], y = 1.0f / scales[p][1];
+		double normal = (double)atan2f(x * c - y * s, x * s + y * c), own = -(double)leans[p];
+		double low = fmax(fmax(normal, own), 0.0) - 0.5 * M_PI, high = fmin(fmin(normal, own), 0.0) + 0.5 * M_PI;
+		truths[p] = 0.5 * (sin(high - normal) - sin(low - normal));
+	}
+	stilb_scene_set_sky(scene, black);
+	made_set(scene->surroundings.sky, 1.0f, 1.0f, 1.0f);
+	baked b = bake(scene, (bake_how){.density = 8.0f, .side = 128, .samples = 64, .depth = 1});
+	for (uint32_t p = 0; p < 4; p++) {
+		sums light = {0};
+		for (size_t i = 0; i < 128 * 128; i++)
+			if (part_of(&b, i) == p)
+				sums_add(&light, (double)b.light[i][0]);
+		assert_true(light.count > 100);
+		assert_mean_near(&light, truths[p], 2e-3);
+	}
+	baked_finish(&b);
+}
+
 /* Inside a ball that shines with 1 and reflects rho: radiance, and so what a white surface sends, is 1 / (1 - rho).
  * Its light alone is 1, what is reflected the rest. */
 static void test_a_furnace(void **state)
@@ -474,6 +524,7 @@ int main(void)
 {
 	static const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_an_even_sky),
+		cmocka_unit_test(test_parts_that_lean),
 		cmocka_unit_test(test_a_furnace),
 		cmocka_unit_test(test_a_wall_beside_a_plane),
 		cmocka_unit_test(test_form_factors),
