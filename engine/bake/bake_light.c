@@ -50,8 +50,8 @@ typedef struct light_bake {
 
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
-/* The matrix by which normals go to the world, up to their length: the cofactors, turned about where the transform is
- * mirrored, which turns triangles about, too: their fronts stay where they are. Returns whether it is. */
+/* The matrix by which normals go to the world, up to length and side: the cofactors. Returns whether the transform
+ * is mirrored, which turns triangles about: their fronts stay where they are. */
 static bool normal_matrix(const stilb_mat4 *transform, float n[9])
 {
 	const float *m = transform->m;
@@ -60,10 +60,7 @@ static bool normal_matrix(const stilb_mat4 *transform, float n[9])
 			int b = (a + 1) % 3, c = (a + 2) % 3, i = (k + 1) % 3, j = (k + 2) % 3;
 			n[3 * a + k] = m[4 * b + i] * m[4 * c + j] - m[4 * b + j] * m[4 * c + i];
 		}
-	bool mirrored = m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < 0.0f;
-	for (int i = 0; i < 9 && mirrored; i++)
-		n[i] = -n[i];
-	return mirrored;
+	return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < 0.0f;
 }
 
 static stilb_vec3 transformed(const stilb_mat4 *transform, const float p[3])

@@ -208,7 +208,8 @@ static void test_spots_lie_on_their_triangles(void **state)
 	stilb_job_pool_destroy(pool);
 }
 
-/* One triangle: no cell has two, so the shares add up to its area; 4 cells a texel. */
+/* One triangle: no cell has two, so the shares add up to its area, 4 cells a texel, and the mean of the spots, weighed
+ * by them, is its middle. */
 static void test_shares_are_areas(void **state)
 {
 	(void)state;
@@ -223,10 +224,15 @@ static void test_shares_are_areas(void **state)
 	stilb_bake_atlas *atlas = atlas_of(scene, pool, 10.0f, 64);
 	stilb_bake_texels *texels;
 	assert_int_equal(stilb_bake_texels_create(atlas, 0, pool, &texels), STILB_OK);
-	double sum = 0.0, nx = 0.4 * 0.5, ny = -3.1 * 0.5, nz = 3.1 * 2.3 - 0.4 * 0.7;
+	double sum = 0.0, u = 0.0, v = 0.0, nx = 0.4 * 0.5, ny = -3.1 * 0.5, nz = 3.1 * 2.3 - 0.4 * 0.7;
 	for (size_t i = 0; i < 64 * 64; i++)
-		for (uint32_t c = 0; c < STILB_BAKE_CELLS; c++)
-			sum += (double)texels->spots[i][c].share;
+		for (uint32_t c = 0; c < STILB_BAKE_CELLS; c++) {
+			const stilb_bake_spot *spot = &texels->spots[i][c];
+			sum += (double)spot->share;
+			u += (double)(spot->share * spot->u);
+			v += (double)(spot->share * spot->v);
+		}
+	assert_true(fabs(u / sum - 1.0 / 3.0) < 1e-5 && fabs(v / sum - 1.0 / 3.0) < 1e-5);
 	assert_true(fabs(sum / (4.0 * 100.0 * 0.5 * sqrt(nx * nx + ny * ny + nz * nz)) - 1.0) < 1e-4);
 	stilb_bake_texels_destroy(texels);
 	stilb_bake_atlas_destroy(atlas);

@@ -2,6 +2,8 @@
  * known; meshes that are broken; the same bits for any number of workers. */
 #include "bake_made.h"
 
+#include "bake/unwrap/bake_patch.h"
+
 static stilb_job_pool *pool;
 
 static stilb_bake_uv unwrapped(const made_mesh *made)
@@ -188,6 +190,65 @@ static void test_what_covers_itself_is_cut(void **state)
 	made_finish(&made);
 }
 
+/* Overhanging waves, with a cone of nearly half a circle: what grows together has triangles that no plane shows all of
+ * the right way round. */
+static void place_waves(float s, float t, float p[3])
+{
+	float a = 12.0f * s;
+	made_set(p, 2.0f * s + 0.5f * sinf(2.0f * a) + 0.1f * sinf(9.0f * t), 0.6f * cosf(a) + 0.3f * sinf(7.0f * t),
+	         -2.0f * t);
+}
+
+static void test_what_turns_over_is_cut(void **state)
+{
+	(void)state;
+	made_mesh made = made_grid(40, 30, place_waves);
+	stilb_bake_uv uv;
+	stilb_bake_unwrap_options options = {.cone = 1.56f, .crease = 3.1f};
+	assert_int_equal(stilb_bake_unwrap(&made.mesh, &options, pool, 0, &uv), STILB_OK);
+	assert_sound(&made, &uv);
+	stilb_bake_uv_finish(&uv);
+	made_finish(&made);
+}
+
+static void place_flat(float s, float t, float p[3])
+{
+	made_set(p, s, 0.0f, -t);
+}
+
+/* A square of 4 x 4 whose middle vertex leaves its neighbours' reach: the border stays as it is, and triangles turn
+ * over. One that only moves is fine. */
+static void test_a_fold_inside_is_no_map(void **state)
+{
+	(void)state;
+	made_mesh made = made_grid(4, 4, place_flat);
+	bake_topology topology;
+	bake_patch patch;
+	uint32_t triangles[32], chart[32] = {0}, local[32];
+	bool good;
+	for (uint32_t t = 0; t < 32; t++)
+		triangles[t] = t;
+	assert_int_equal(bake_topology_create(&made.mesh, &topology), STILB_OK);
+	assert_int_equal(bake_patch_begin(&topology, triangles, 32, chart, local, &patch), STILB_OK);
+	assert_int_equal(patch.vertex_count, 25);
+	assert_int_equal(patch.border_count, 16);
+	bake_patch_project(&patch);
+	assert_true(patch.level);
+	static const double moves[3] = {0.0, 0.1, 0.4};
+	for (int i = 0; i < 3; i++) {
+		for (uint32_t v = 0; v < 25; v++) {
+			const double *place = topology.place[patch.place_of[v]];
+			if (fabs(place[0] - 0.5) < 1e-6 && fabs(place[2] + 0.5) < 1e-6)
+				patch.at[v][0] += moves[i];
+		}
+		assert_int_equal(bake_patch_is_good(&patch, &good), STILB_OK);
+		assert_int_equal(good, i < 2);
+	}
+	bake_patch_finish(&patch);
+	bake_topology_finish(&topology);
+	made_finish(&made);
+}
+
 /* ---- broken meshes ----------------------------------------------------------------------------------------------- */
 
 static void test_broken_triangles_get_no_chart(void **state)
@@ -314,6 +375,8 @@ int main(void)
 		test_one_thread(test_land),
 		test_one_thread(test_a_cone_is_a_sector),
 		test_one_thread(test_what_covers_itself_is_cut),
+		test_one_thread(test_what_turns_over_is_cut),
+		test_one_thread(test_a_fold_inside_is_no_map),
 		test_one_thread(test_broken_triangles_get_no_chart),
 		test_one_thread(test_odd_edges_end_charts),
 		test_one_thread(test_nothing_and_one),
