@@ -8,7 +8,7 @@ set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=$(cd "$1" && pwd)
 yields=${2:-}
-modules='game|jobs|job_prof|profiler|engine/(base|culling|debug|geometry|gi|gpu|image|input|light|numeric|post|render|scene|shading|shadow|ui|window)'
+modules='game|jobs|job_prof|profiler|engine/(bake|base|culling|debug|geometry|gi|gpu|image|input|light|numeric|post|render|scene|shading|shadow|ui|window)'
 command -v clang-tidy >/dev/null || { echo "skipped: no clang-tidy here (package clang-tidy)"; exit 77; }
 
 # "FILE COMMAND" for each C file of the modules, without examples, and of the engine's own folder. JSON puts a \ before

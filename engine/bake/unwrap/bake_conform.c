@@ -8,7 +8,6 @@
  */
 #include "bake/unwrap/bake_patch.h"
 
-#include <complex.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,7 +15,8 @@
 #define CONFORM_GAIN 2e-5  /* of all that was gained so far: less is the end */
 #define CONFORM_MOST 2000u /* steps */
 
-typedef double complex number;
+/* A complex number: real and imaginary part. */
+typedef double number __attribute__((vector_size(16)));
 
 typedef struct conform {
 	const bake_patch *patch;
@@ -25,15 +25,19 @@ typedef struct conform {
 	number *map, *residual, *step, *product; /* [vertex_count] */
 } conform;
 
-/* |a|^2, without the C library's care for infinities. */
 static double norm2(number a)
 {
-	return creal(a) * creal(a) + cimag(a) * cimag(a);
+	return a[0] * a[0] + a[1] * a[1];
 }
 
 static number times(number a, number b)
 {
-	return CMPLX(creal(a) * creal(b) - cimag(a) * cimag(b), creal(a) * cimag(b) + cimag(a) * creal(b));
+	return (number){a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]};
+}
+
+static number conjugate(number a)
+{
+	return (number){a[0], -a[1]};
 }
 
 static bool conform_weights(conform *c)
@@ -42,7 +46,7 @@ static bool conform_weights(conform *c)
 	for (uint32_t t = 0; t < c->patch->count; t++) {
 		bake_flat flat = bake_patch_flat(c->patch, t);
 		double scale = 1.0 / sqrt(flat.x1 * flat.y);
-		const number z[3] = {0.0, flat.x1, CMPLX(flat.x2, flat.y)};
+		const number z[3] = {{0.0, 0.0}, {flat.x1, 0.0}, {flat.x2, flat.y}};
 		for (int j = 0; j < 3; j++) {
 			c->weights[t][j] = (z[(j + 2) % 3] - z[(j + 1) % 3]) * scale;
 			c->diagonal[c->patch->corner[3 * (size_t)t + (size_t)j]] += norm2(c->weights[t][j]);
@@ -90,24 +94,24 @@ static void conform_apply(const conform *c, const number *x, number *product)
 {
 	uint32_t count = c->patch->vertex_count;
 	for (uint32_t v = 0; v < count; v++)
-		product[v] = 0.0;
+		product[v] = (number){0.0, 0.0};
 	for (uint32_t t = 0; t < c->patch->count; t++) {
 		const uint32_t *v = &c->patch->corner[3 * (size_t)t];
 		const number *w = c->weights[t];
 		number sum = times(w[0], x[v[0]]) + times(w[1], x[v[1]]) + times(w[2], x[v[2]]);
 		for (int j = 0; j < 3; j++)
-			product[v[j]] += times(conj(w[j]), sum);
+			product[v[j]] += times(conjugate(w[j]), sum);
 	}
 	for (uint32_t v = 0; v < count; v++)
 		if (!(c->diagonal[v] > 0.0))
-			product[v] = 0.0;
+			product[v] = (number){0.0, 0.0};
 }
 
 static double conform_dot(const conform *c, const number *a, const number *b, bool weighed)
 {
 	double sum = 0.0;
 	for (uint32_t v = 0; v < c->patch->vertex_count; v++)
-		sum += (creal(a[v]) * creal(b[v]) + cimag(a[v]) * cimag(b[v])) * (weighed ? c->diagonal[v] : 1.0);
+		sum += (a[v][0] * b[v][0] + a[v][1] * b[v][1]) * (weighed ? c->diagonal[v] : 1.0);
 	return sum;
 }
 
@@ -161,12 +165,12 @@ stilb_result bake_patch_conform(bake_patch *patch)
 		c.step = vectors + 2 * count;
 		c.product = vectors + 3 * count;
 		for (uint32_t v = 0; v < count; v++)
-			c.map[v] = CMPLX(patch->at[v][0], patch->at[v][1]);
+			c.map[v] = (number){patch->at[v][0], patch->at[v][1]};
 		conform_hold(&c);
 		conform_solve(&c);
 		for (uint32_t v = 0; v < count; v++) {
-			patch->at[v][0] = creal(c.map[v]);
-			patch->at[v][1] = cimag(c.map[v]);
+			patch->at[v][0] = c.map[v][0];
+			patch->at[v][1] = c.map[v][1];
 		}
 	}
 	free(vectors);
