@@ -24,7 +24,7 @@ typedef struct fill {
 static bool take_mean(const fill *f, size_t t)
 {
 	uint32_t x = (uint32_t)(t % f->side), y = (uint32_t)(t / f->side), count = 0;
-	float sum[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+	float sum[STILB_BAKE_FILL_CHANNELS] = {0.0f};
 	for (uint32_t ny = y > 0 ? y - 1 : 0; ny <= y + 1 && ny < f->side; ny++)
 		for (uint32_t nx = x > 0 ? x - 1 : 0; nx <= x + 1 && nx < f->side; nx++) {
 			size_t n = (size_t)ny * f->side + nx;
@@ -88,7 +88,7 @@ static void fill_hidden(fill *f, const uint8_t *state)
 stilb_result stilb_bake_fill(uint32_t side, const uint32_t *place, uint32_t border, uint8_t *state, bool mark,
                              float *values, uint32_t channels)
 {
-	STILB_ASSERT(channels >= 1 && channels <= 4);
+	STILB_ASSERT(channels >= 1 && channels <= STILB_BAKE_FILL_CHANNELS);
 	size_t count = (size_t)side * side;
 	fill f = {side, channels, place, NULL, NULL, values};
 	f.has = stilb_memory_alloc(count, 1);

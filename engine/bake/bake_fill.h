@@ -5,6 +5,8 @@
 
 #include "bake/bake_light.h"
 
+#define STILB_BAKE_FILL_CHANNELS 9 /* at most */
+
 /* Fills hidden texels, wherever they are within their chart, and empty ones up to `border` texels away from a chart, in
  * rounds: each round fills those beside texels that have values, with the mean of these. values: [side * side *
  * channels]. What was filled becomes STILB_BAKE_FILLED in `state`, if `mark`: the last call of several. place: of the

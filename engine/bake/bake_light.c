@@ -12,6 +12,7 @@
 #define WATCH_NS 100000000u /* between two calls of the watcher */
 #define PAGE_STRIDE 65536u  /* rows of random numbers between two pages */
 #define INV_PI 0.318309886f
+#define LEAST_COSINE 1e-6f
 
 /* One thread's memory. */
 typedef struct light_thread {
@@ -25,6 +26,8 @@ typedef struct light_thread {
 /* Sums of one texel. */
 typedef struct texel_sums {
 	double light[STILB_BAKE_CELLS][3], open[STILB_BAKE_CELLS];
+	double directional[STILB_BAKE_CELLS][STILB_BAKE_BASIS][3];
+	stilb_vec3 basis[STILB_BAKE_CELLS][STILB_BAKE_BASIS]; /* the spots' directions, in the world */
 	uint32_t samples[STILB_BAKE_CELLS], backs[STILB_BAKE_CELLS];
 } texel_sums;
 
@@ -37,9 +40,7 @@ typedef struct light_bake {
 	light_thread *threads;
 	uint32_t *list; /* [count] texels that have spots */
 	uint32_t count;
-	float (*light)[3];
-	float *open;
-	uint8_t *state;
+	stilb_bake_layers layers;
 	float (*normal_to_world)[9]; /* [part_count] column by column */
 	bool *mirrored;              /* [part_count] the transform turns right hands into left ones */
 	uint64_t watched_ns;         /* of the calling thread */
@@ -116,14 +117,56 @@ static void spot_point(const light_bake *bake, uint32_t texel, const stilb_bake_
 	point->sample = sample;
 }
 
+/* The directions of the basis at a spot, in the world: bake_basis.h has the frame. point: of the spot. */
+static void spot_basis(const light_bake *bake, uint32_t texel, const stilb_bake_spot *spot,
+                       const stilb_gi_gather_point *point, stilb_vec3 basis[STILB_BAKE_BASIS])
+{
+	float at[3][2];
+	uint32_t page;
+	stilb_vec3 corners[3], normal = stilb_vec3_make(point->normal[0], point->normal[1], point->normal[2]);
+	bool mirrored = bake->mirrored[point->part];
+	stilb_bake_atlas_corners(bake->atlas, bake->texels->part[bake->texels->place[texel]], spot->triangle, &page, at);
+	for (int i = 0; i < 3; i++) {
+		const float *p = point->corners[mirrored ? (3 - i) % 3 : i];
+		corners[i] = stilb_vec3_make(p[0], p[1], p[2]);
+	}
+	/* The page's axes on the triangle, times its area there. */
+	float bx = at[1][0] - at[0][0], by = at[1][1] - at[0][1], cx = at[2][0] - at[0][0], cy = at[2][1] - at[0][1];
+	stilb_vec3 along_u = (corners[1] - corners[0]) * cy - (corners[2] - corners[0]) * by;
+	stilb_vec3 along_v = (corners[2] - corners[0]) * bx - (corners[1] - corners[0]) * cx;
+	stilb_vec3 x = along_u - normal * stilb_vec3_dot(normal, along_u);
+	x *= 1.0f / sqrtf(fmaxf(stilb_vec3_dot(x, x), 1e-37f));
+	stilb_vec3 y = stilb_vec3_cross(normal, x);
+	if (stilb_vec3_dot(y, along_v) < 0.0f)
+		y = -y;
+	for (uint32_t k = 0; k < STILB_BAKE_BASIS; k++) {
+		stilb_vec3 b = stilb_bake_basis(k);
+		basis[k] = x * b[0] + y * b[1] + normal * b[2];
+	}
+}
+
 /* ---- blocks ------------------------------------------------------------------------------------------------------ */
+
+/* What arrives at a surface that faces each direction of the basis, of what arrives at one that faces the normal. */
+static void add_directional(texel_sums *sums, uint32_t cell, const stilb_gi_gather_point *point,
+                            const stilb_gi_gathered *found)
+{
+	stilb_vec3 direction = stilb_vec3_make(found->direction[0], found->direction[1], found->direction[2]);
+	stilb_vec3 normal = stilb_vec3_make(point->normal[0], point->normal[1], point->normal[2]);
+	float cosine = fmaxf(stilb_vec3_dot(normal, direction), LEAST_COSINE);
+	for (uint32_t k = 0; k < STILB_BAKE_BASIS; k++) {
+		float share = fmaxf(stilb_vec3_dot(sums->basis[cell][k], direction), 0.0f) / cosine;
+		for (int c = 0; c < 3; c++)
+			sums->directional[cell][k][c] += (double)(found->irradiance[c] * share);
+	}
+}
 
 static void batch_end(light_bake *bake, uint32_t worker, texel_sums *sums)
 {
 	light_thread *thread = &bake->threads[worker];
 	if (thread->count == 0)
 		return;
-	if (bake->light) {
+	if (bake->layers.light) {
 		uint32_t n = stilb_gi_gather_light(bake->gather, worker, thread->points, thread->count, thread->found);
 		for (uint32_t i = 0; i < n; i++) {
 			const stilb_gi_gathered *found = &thread->found[i];
@@ -132,9 +175,11 @@ static void batch_end(light_bake *bake, uint32_t worker, texel_sums *sums)
 			for (int k = 0; k < 3; k++)
 				to->light[cell][k] += (double)found->irradiance[k];
 			to->backs[cell] += found->back;
+			if (bake->layers.directional)
+				add_directional(to, cell, &thread->points[found->point], found);
 		}
 	}
-	if (bake->open) {
+	if (bake->layers.open) {
 		stilb_gi_gather_open(bake->gather, worker, thread->points, thread->count, bake->options->ao_distance,
 		                     thread->open);
 		for (uint32_t i = 0; i < thread->count; i++)
@@ -154,6 +199,12 @@ static void texel_sample(light_bake *bake, uint32_t worker, uint32_t index, uint
 	for (uint32_t c = 0; c < STILB_BAKE_CELLS; c++)
 		if (bake->texels->spots[texel][c].share > 0.0f)
 			cells[count++] = c;
+	for (uint32_t i = 0; i < count && bake->layers.directional; i++) {
+		stilb_gi_gather_point point;
+		const stilb_bake_spot *spot = &bake->texels->spots[texel][cells[i]];
+		spot_point(bake, texel, spot, 0, &point);
+		spot_basis(bake, texel, spot, &point, sums[in_block].basis[cells[i]]);
+	}
 	for (uint32_t s = 0; s < samples; s++) {
 		uint32_t cell = cells[(uint64_t)s * count / samples];
 		spot_point(bake, texel, &bake->texels->spots[texel][cell], s, &thread->points[thread->count]);
@@ -164,27 +215,48 @@ static void texel_sample(light_bake *bake, uint32_t worker, uint32_t index, uint
 	}
 }
 
+/* True if the spot's rays mostly met backs. */
+static bool spot_is_hidden(const texel_sums *sums, uint32_t cell)
+{
+	return 2 * sums->backs[cell] > sums->samples[cell];
+}
+
+/* The colours of the basis: bake_basis.h. light: sums of the same samples. */
+static void store_directional(float (*to)[3], double (*sums)[3], const double light[3], uint32_t samples)
+{
+	for (int c = 0; c < 3; c++) {
+		double mean = (sums[0][c] + sums[1][c] + sums[2][c]) / 3.0;
+		for (uint32_t k = 0; k < STILB_BAKE_BASIS; k++)
+			to[k][c] = (float)((mean > 0.0 ? sums[k][c] / mean : 1.0) * light[c] / samples) * INV_PI;
+	}
+}
+
 /* Means over the spots that see out, or over all if none does. */
 static void texel_store(const light_bake *bake, uint32_t texel, const texel_sums *sums)
 {
-	double light[3] = {0.0, 0.0, 0.0}, open = 0.0;
+	double light[3] = {0.0, 0.0, 0.0}, directional[STILB_BAKE_BASIS][3] = {{0.0}}, open = 0.0;
 	uint32_t samples = 0;
-	bool seeing = false;
+	bool seeing = bake->options->keep_hidden;
 	for (uint32_t c = 0; c < STILB_BAKE_CELLS; c++)
-		seeing |= sums->samples[c] > 0 && 2 * sums->backs[c] <= sums->samples[c];
+		seeing |= sums->samples[c] > 0 && !spot_is_hidden(sums, c);
 	for (uint32_t c = 0; c < STILB_BAKE_CELLS; c++) {
-		if (seeing && !bake->options->keep_hidden && 2 * sums->backs[c] > sums->samples[c])
+		if (seeing && !bake->options->keep_hidden && spot_is_hidden(sums, c))
 			continue;
-		for (int k = 0; k < 3; k++)
-			light[k] += sums->light[c][k];
+		for (int i = 0; i < 3; i++) {
+			light[i] += sums->light[c][i];
+			for (uint32_t k = 0; k < STILB_BAKE_BASIS; k++)
+				directional[k][i] += sums->directional[c][k][i];
+		}
 		open += sums->open[c];
 		samples += sums->samples[c];
 	}
-	for (int k = 0; k < 3 && bake->light; k++)
-		bake->light[texel][k] = (float)(light[k] / samples) * INV_PI;
-	if (bake->open)
-		bake->open[texel] = (float)(open / samples);
-	bake->state[texel] = seeing || bake->options->keep_hidden ? STILB_BAKE_LIT : STILB_BAKE_HIDDEN;
+	for (int k = 0; k < 3 && bake->layers.light; k++)
+		bake->layers.light[texel][k] = (float)(light[k] / samples) * INV_PI;
+	if (bake->layers.directional)
+		store_directional(bake->layers.directional[texel], directional, light, samples);
+	if (bake->layers.open)
+		bake->layers.open[texel] = (float)(open / samples);
+	bake->layers.state[texel] = seeing ? STILB_BAKE_LIT : STILB_BAKE_HIDDEN;
 }
 
 static void watch(light_bake *bake)
@@ -228,10 +300,10 @@ static bool keep_lone_charts(const light_bake *bake)
 {
 	uint8_t *seen = calloc((size_t)bake->atlas->place_count + 1, 1);
 	for (uint32_t i = 0; i < bake->count && seen; i++)
-		seen[bake->texels->place[bake->list[i]]] |= bake->state[bake->list[i]] == STILB_BAKE_LIT;
+		seen[bake->texels->place[bake->list[i]]] |= bake->layers.state[bake->list[i]] == STILB_BAKE_LIT;
 	for (uint32_t i = 0; i < bake->count && seen; i++)
 		if (!seen[bake->texels->place[bake->list[i]]])
-			bake->state[bake->list[i]] = STILB_BAKE_LIT;
+			bake->layers.state[bake->list[i]] = STILB_BAKE_LIT;
 	free(seen);
 	return seen;
 }
@@ -245,30 +317,39 @@ static void list_texels(light_bake *bake, size_t count)
 		bake->mirrored[part] = normal_matrix(&bake->scene->part_transform[part], bake->normal_to_world[part]);
 }
 
+/* Sets the layers to 0, and the list of texels up. */
+static void page_clear(light_bake *bake, size_t count)
+{
+	const stilb_bake_layers *layers = &bake->layers;
+	if (layers->light)
+		memset(layers->light, 0, count * sizeof *layers->light);
+	if (layers->directional)
+		memset(layers->directional, 0, count * sizeof *layers->directional);
+	if (layers->open)
+		memset(layers->open, 0, count * sizeof *layers->open);
+	memset(layers->state, STILB_BAKE_EMPTY, count);
+	list_texels(bake, count);
+}
+
 stilb_result stilb_bake_light(const stilb_scene *scene, const stilb_bake_atlas *atlas, const stilb_bake_texels *texels,
                               stilb_gi_gather *gather, stilb_job_pool *pool, const stilb_bake_light_options *options,
-                              float (*light)[3], float *open, uint8_t *state)
+                              const stilb_bake_layers *layers)
 {
 	STILB_ASSERT(scene->part_count == atlas->part_count && options->samples >= 1 && options->ao_distance > 0.0f);
+	STILB_ASSERT(layers->state && (layers->light || !layers->directional));
 	size_t count = (size_t)texels->side * texels->side;
+	uint32_t threads = stilb_job_pool_worker_count(pool) + 1;
 	light_bake bake = {.scene = scene, .atlas = atlas, .texels = texels, .gather = gather, .options = options};
-	bake.light = light;
-	bake.open = open;
-	bake.state = state;
-	bake.threads = stilb_memory_alloc((size_t)stilb_job_pool_worker_count(pool) + 1, sizeof *bake.threads);
+	bake.layers = *layers;
+	bake.threads = stilb_memory_alloc(threads, sizeof *bake.threads);
 	bake.list = stilb_memory_alloc(texels->covered, sizeof *bake.list);
 	bake.normal_to_world = stilb_memory_alloc(atlas->part_count, sizeof *bake.normal_to_world);
 	bake.mirrored = stilb_memory_alloc(atlas->part_count, sizeof *bake.mirrored);
 	bool good = bake.threads && bake.list && bake.normal_to_world && bake.mirrored;
 	if (good) {
-		for (uint32_t i = 0; i <= stilb_job_pool_worker_count(pool); i++)
+		for (uint32_t i = 0; i < threads; i++)
 			bake.threads[i].count = 0;
-		if (light)
-			memset(light, 0, count * sizeof *light);
-		if (open)
-			memset(open, 0, count * sizeof *open);
-		memset(state, STILB_BAKE_EMPTY, count);
-		list_texels(&bake, count);
+		page_clear(&bake, count);
 		stilb_job_parallel_for(pool, (bake.count + BLOCK - 1) / BLOCK, 1, bake_blocks, &bake, 0);
 		good = keep_lone_charts(&bake);
 	}

@@ -15,6 +15,7 @@
 #ifndef STILB_BAKE_LIGHT_H
 #define STILB_BAKE_LIGHT_H
 
+#include "bake/bake_basis.h"
 #include "bake/bake_texels.h"
 #include "gi/gi_gather.h"
 
@@ -37,12 +38,18 @@ typedef enum stilb_bake_state {
 	STILB_BAKE_LIT,
 } stilb_bake_state;
 
-/* Writes the lightmap, [side * side][3], NULL: none is asked for; openness, [side * side], NULL: none; and state,
- * [side * side] of stilb_bake_state, which the lightmap decides. Texels without spots are 0. gather: for as many
- * threads as the pool has with its owner. The scene is that of atlas and gather. STILB_ERROR_MEMORY;
- * STILB_ERROR_GIVEN_UP. */
+/* What is written of a page: a pointer that is NULL is not asked for. Texels without spots are 0. */
+typedef struct stilb_bake_layers {
+	float (*light)[3];                         /* [side * side] the lightmap */
+	float (*directional)[STILB_BAKE_BASIS][3]; /* [side * side] bake_basis.h; only with light */
+	float *open;                               /* [side * side] */
+	uint8_t *state;                            /* [side * side] stilb_bake_state, never NULL; by the rays of light */
+} stilb_bake_layers;
+
+/* Bakes a page. gather: for as many threads as the pool has with its owner. The scene is that of atlas and gather.
+ * STILB_ERROR_MEMORY; STILB_ERROR_GIVEN_UP. */
 stilb_result stilb_bake_light(const stilb_scene *scene, const stilb_bake_atlas *atlas, const stilb_bake_texels *texels,
                               stilb_gi_gather *gather, stilb_job_pool *pool, const stilb_bake_light_options *options,
-                              float (*light)[3], float *open, uint8_t *state);
+                              const stilb_bake_layers *layers);
 
 #endif

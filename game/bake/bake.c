@@ -32,15 +32,14 @@ typedef struct bake_run {
 	uint32_t page; /* that is being baked */
 	uint64_t begun_ns, said_ns, covered, hidden;
 	double open_s, unwrap_s, texels_s, light_s; /* light_s: with the files */
+	double off_squares, light_squares; /* of the two-texture form: what it is off, and what there is, over all texels */
 	bool terminal;
 } bake_run;
 
 /* What a page has, while it is baked. */
 typedef struct bake_page {
 	stilb_bake_texels *texels;
-	float (*light)[3]; /* [side * side]; NULL: none is asked for */
-	float *open;
-	uint8_t *state;
+	stilb_bake_layers layers;
 } bake_page;
 
 static volatile sig_atomic_t bake_interrupted;
@@ -106,6 +105,38 @@ static stilb_result save_halves(const bake_run *run, const float *values, uint32
 	return result;
 }
 
+/* Light from three directions: a picture each, or one of their intensities over the lightmap's. */
+static stilb_result save_directional(bake_run *run, const bake_page *page)
+{
+	size_t count = (size_t)run->atlas->side * run->atlas->side;
+	float(*one)[3] = stilb_memory_alloc(count, sizeof *one);
+	stilb_result result = STILB_OK;
+	if (!one)
+		return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a page of %zu texels", count);
+	for (uint32_t k = 0; k < STILB_BAKE_BASIS && result == STILB_OK && (run->options.what & BAKE_RNM); k++) {
+		char name[16];
+		snprintf(name, sizeof name, "rnm%u", k + 1);
+		for (size_t i = 0; i < count; i++)
+			memcpy(one[i], page->layers.directional[i][k], sizeof one[i]);
+		result = save_halves(run, one[0], 3, name);
+	}
+	if (result == STILB_OK && (run->options.what & BAKE_INTENSITY)) {
+		for (size_t i = 0; i < count; i++) {
+			const float *light = page->layers.light[i];
+			stilb_bake_intensities(page->layers.directional[i], one[i]);
+			for (uint32_t k = 0; k < STILB_BAKE_BASIS; k++)
+				for (int c = 0; c < 3; c++) {
+					double off = (double)(page->layers.directional[i][k][c] - light[c] * one[i][k]);
+					run->off_squares += off * off;
+					run->light_squares += (double)(light[c] * light[c]);
+				}
+		}
+		result = save_halves(run, one[0], 3, "intensity");
+	}
+	free(one);
+	return result;
+}
+
 /* Shares of 1 as data of 8 bits, grey. */
 static stilb_result save_shares(const bake_run *run, const float *values, const char *name)
 {
@@ -130,8 +161,8 @@ static void picture_states(const bake_page *page, uint8_t (*srgb)[3])
 	                                    [STILB_BAKE_HIDDEN] = {220, 60, 40},
 	                                    [STILB_BAKE_LIT] = {230, 220, 190}};
 	for (size_t i = 0; i < (size_t)page->texels->side * page->texels->side; i++) {
-		bool was_hidden = page->state[i] == STILB_BAKE_FILLED && page->texels->place[i] != STILB_BAKE_NO_CHART;
-		memcpy(srgb[i], colors[was_hidden ? STILB_BAKE_HIDDEN : page->state[i]], sizeof srgb[i]);
+		bool was_hidden = page->layers.state[i] == STILB_BAKE_FILLED && page->texels->place[i] != STILB_BAKE_NO_CHART;
+		memcpy(srgb[i], colors[was_hidden ? STILB_BAKE_HIDDEN : page->layers.state[i]], sizeof srgb[i]);
 	}
 }
 
@@ -151,8 +182,8 @@ static stilb_result save_picture(const bake_run *run, const bake_page *page, uin
 	else if (draw == BAKE_SHOW_STATES)
 		picture_states(page, image.pixels);
 	else
-		stilb_gi_display(page->light[0], (size_t)side * side, run->scene->camera.exposure, run->scene->camera.tone,
-		                 image.pixels);
+		stilb_gi_display(page->layers.light[0], (size_t)side * side, run->scene->camera.exposure,
+		                 run->scene->camera.tone, image.pixels);
 	bake_path(run, path, name, ".png");
 	result = stilb_image_save(&image, path);
 	stilb_image_finish(&image);
@@ -162,7 +193,8 @@ static stilb_result save_picture(const bake_run *run, const bake_page *page, uin
 static stilb_result save_glb(bake_run *run)
 {
 	char path[BAKE_PATH];
-	stilb_bake_glb_files files = {.lightmap = run->options.what & BAKE_LIGHTMAP ? "lightmap-%u.exr" : NULL,
+	stilb_bake_glb_files files = {.lightmap =
+	                                  run->options.what & (BAKE_LIGHTMAP | BAKE_INTENSITY) ? "lightmap-%u.exr" : NULL,
 	                              .occlusion = run->options.what & BAKE_AO ? "ao-%u.png" : NULL};
 	bake_path(run, path, "scene.glb", NULL);
 	return stilb_bake_glb_save(run->scene, run->atlas, &files, path);
@@ -191,6 +223,8 @@ static stilb_result save_report(const bake_run *run)
 	stilb_json_double(&json, "covered", atlas->covered);
 	stilb_json_int(&json, "texels_lit", (int64_t)(run->covered - run->hidden));
 	stilb_json_int(&json, "texels_hidden", (int64_t)run->hidden);
+	if (run->light_squares > 0.0)
+		stilb_json_double(&json, "intensity_error", sqrt(run->off_squares / run->light_squares));
 	stilb_json_int(&json, "samples", (int64_t)o->samples);
 	stilb_json_int(&json, "depth", (int64_t)o->depth);
 	stilb_json_int(&json, "rays", run->gather ? (int64_t)stilb_gi_gather_rays(run->gather) : 0);
@@ -218,7 +252,7 @@ static stilb_result save_report(const bake_run *run)
 
 static bool page_lights(const bake_run *run)
 {
-	return run->options.what & (BAKE_LIGHTMAP | BAKE_AO);
+	return run->options.what & ~BAKE_GLB;
 }
 
 static stilb_result page_begin(bake_run *run, bake_page *page)
@@ -230,10 +264,13 @@ static stilb_result page_begin(bake_run *run, bake_page *page)
 	if (result != STILB_OK || !page_lights(run))
 		return result;
 	/* Which texels are hidden is known from the lightmap's rays. */
-	page->light = stilb_memory_alloc(count, sizeof *page->light);
-	page->open = run->options.what & BAKE_AO ? stilb_memory_alloc(count, sizeof *page->open) : NULL;
-	page->state = stilb_memory_alloc(count, 1);
-	if (page->light && page->state && (page->open || !(run->options.what & BAKE_AO)))
+	stilb_bake_layers *layers = &page->layers;
+	bool open = run->options.what & BAKE_AO, directional = run->options.what & (BAKE_RNM | BAKE_INTENSITY);
+	layers->light = stilb_memory_alloc(count, sizeof *layers->light);
+	layers->open = open ? stilb_memory_alloc(count, sizeof *layers->open) : NULL;
+	layers->directional = directional ? stilb_memory_alloc(count, sizeof *layers->directional) : NULL;
+	layers->state = stilb_memory_alloc(count, 1);
+	if (layers->light && layers->state && (layers->open || !open) && (layers->directional || !directional))
 		return STILB_OK;
 	return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a page of %u x %u texels", run->atlas->side,
 	                  run->atlas->side);
@@ -242,9 +279,10 @@ static stilb_result page_begin(bake_run *run, bake_page *page)
 static void page_finish(bake_page *page)
 {
 	stilb_bake_texels_destroy(page->texels);
-	free(page->light);
-	free(page->open);
-	free(page->state);
+	free(page->layers.light);
+	free(page->layers.open);
+	free(page->layers.directional);
+	free(page->layers.state);
 	*page = (bake_page){0};
 }
 
@@ -257,19 +295,23 @@ static stilb_result page_light(bake_run *run, bake_page *page)
 	                                    .keep_hidden = o->hidden == 1,
 	                                    .watch = bake_watch,
 	                                    .user = run};
-	stilb_result result = stilb_bake_light(run->scene, run->atlas, page->texels, run->gather, run->pool, &options,
-	                                       page->light, page->open, page->state);
+	stilb_bake_layers *layers = &page->layers;
+	stilb_result result =
+		stilb_bake_light(run->scene, run->atlas, page->texels, run->gather, run->pool, &options, layers);
 	bake_progress_clear(run);
 	for (size_t i = 0; i < (size_t)side * side && result == STILB_OK; i++)
-		run->hidden += page->state[i] == STILB_BAKE_HIDDEN;
-	if (result == STILB_OK && page->open)
-		result = stilb_bake_fill(side, page->texels->place, border, page->state, false, page->open, 1);
+		run->hidden += page->layers.state[i] == STILB_BAKE_HIDDEN;
+	if (result == STILB_OK && layers->open)
+		result = stilb_bake_fill(side, page->texels->place, border, layers->state, false, layers->open, 1);
+	if (result == STILB_OK && layers->directional)
+		result = stilb_bake_fill(side, page->texels->place, border, layers->state, false, layers->directional[0][0],
+		                         3 * STILB_BAKE_BASIS);
 	if (result == STILB_OK)
-		result = stilb_bake_fill(side, page->texels->place, border, page->state, true, page->light[0], 3);
+		result = stilb_bake_fill(side, page->texels->place, border, layers->state, true, layers->light[0], 3);
 	return result;
 }
 
-static stilb_result page_save(const bake_run *run, const bake_page *page)
+static stilb_result page_save(bake_run *run, const bake_page *page)
 {
 	const bake_options *o = &run->options;
 	stilb_result result = STILB_OK;
@@ -277,16 +319,18 @@ static stilb_result page_save(const bake_run *run, const bake_page *page)
 		result = save_picture(run, page, BAKE_SHOW_CHARTS, "charts");
 	if (result == STILB_OK && (o->show & BAKE_SHOW_TEXELS))
 		result = save_picture(run, page, BAKE_SHOW_TEXELS, "texels");
-	if (result == STILB_OK && (o->show & BAKE_SHOW_STATES) && page->state)
+	if (result == STILB_OK && (o->show & BAKE_SHOW_STATES) && page->layers.state)
 		result = save_picture(run, page, BAKE_SHOW_STATES, "states");
-	if (result == STILB_OK && (o->show & BAKE_SHOW_LIGHT) && page->light)
+	if (result == STILB_OK && (o->show & BAKE_SHOW_LIGHT) && page->layers.light)
 		result = save_picture(run, page, BAKE_SHOW_LIGHT, "light");
-	if (result == STILB_OK && (o->what & BAKE_LIGHTMAP))
-		result = save_halves(run, page->light[0], 3, "lightmap");
-	if (result == STILB_OK && (o->what & BAKE_AO))
-		result = save_halves(run, page->open, 1, "ao");
-	if (result == STILB_OK && (o->what & BAKE_AO))
-		result = save_shares(run, page->open, "ao");
+	if (result == STILB_OK && (o->what & (BAKE_LIGHTMAP | BAKE_INTENSITY)) && page->layers.light)
+		result = save_halves(run, page->layers.light[0], 3, "lightmap");
+	if (result == STILB_OK && page->layers.directional)
+		result = save_directional(run, page);
+	if (result == STILB_OK && page->layers.open)
+		result = save_halves(run, page->layers.open, 1, "ao");
+	if (result == STILB_OK && page->layers.open)
+		result = save_shares(run, page->layers.open, "ao");
 	return result;
 }
 
@@ -359,7 +403,7 @@ static stilb_result bake_unwrap(bake_run *run)
 		          atlas->coarser, (double)atlas->density, atlas->side);
 	if (atlas->flat + atlas->invalid > 0 && !o->quiet)
 		stilb_log("%llu triangles have no texels: %llu of area 0, %llu with a corner that is no place",
-		          (unsigned long long)(atlas->flat + atlas->invalid), (unsigned long long)atlas->flat,
+		          (unsigned long long)atlas->flat + (unsigned long long)atlas->invalid, (unsigned long long)atlas->flat,
 		          (unsigned long long)atlas->invalid);
 	return STILB_OK;
 }
@@ -375,7 +419,8 @@ static stilb_result bake_prepare(bake_run *run)
 		return result;
 	stilb_gi_settings settings = stilb_gi_settings_default(run->scene);
 	settings.samples = (uint32_t)o->samples;
-	settings.depth = o->what & BAKE_LIGHTMAP ? (uint32_t)o->depth : 1; /* of openness alone, for hidden texels */
+	settings.depth =
+		o->what & ~(BAKE_AO | BAKE_GLB) ? (uint32_t)o->depth : 1; /* of openness alone, for hidden texels */
 	settings.only = (stilb_gi_only)o->only;
 	settings.seed = o->seed;
 	return stilb_gi_gather_create(run->gi_scene, &settings, stilb_job_pool_worker_count(run->pool) + 1, &run->gather);

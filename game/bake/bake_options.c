@@ -13,6 +13,8 @@ static const bake_word what_words[] = {
 	{"lightmap", "light that a white surface would reflect there: irradiance over pi"},
 	{"ao", "ambient occlusion: how much of the hemisphere is open"},
 	{"glb", "the scene with the places of its triangles on the pages, for other programs"},
+	{"rnm", "light from three directions, for bumps: radiosity normal maps"},
+	{"intensity", "the same in one picture, whose colour is the lightmap's"},
 };
 
 static const bake_word show_words[] = {

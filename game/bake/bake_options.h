@@ -9,6 +9,8 @@ enum {
 	BAKE_LIGHTMAP = 1u << 0,
 	BAKE_AO = 1u << 1,
 	BAKE_GLB = 1u << 2,
+	BAKE_RNM = 1u << 3,
+	BAKE_INTENSITY = 1u << 4,
 	BAKE_SHOW_CHARTS = 1u << 0,
 	BAKE_SHOW_TEXELS = 1u << 1,
 	BAKE_SHOW_STATES = 1u << 2,

@@ -12,16 +12,14 @@ typedef struct baked {
 	stilb_gi_gather *gather;
 	stilb_bake_atlas *atlas;
 	stilb_bake_texels *texels;
-	float (*light)[3];
-	float *open;
-	uint8_t *state;
+	stilb_bake_layers layers;
 } baked;
 
 typedef struct bake_how {
 	float density;
 	uint32_t side, samples, workers, depth;
 	stilb_gi_only only;
-	bool keep_hidden;
+	bool keep_hidden, directional;
 } bake_how;
 
 static baked bake(stilb_scene *scene, bake_how how)
@@ -41,20 +39,21 @@ static baked bake(stilb_scene *scene, bake_how how)
 	assert_int_equal(b.atlas->page_count, 1);
 	assert_int_equal(stilb_bake_texels_create(b.atlas, 0, b.pool, &b.texels), STILB_OK);
 	size_t count = (size_t)how.side * how.side;
-	b.light = calloc(count, sizeof *b.light);
-	b.open = calloc(count, sizeof *b.open);
-	b.state = calloc(count, 1);
+	b.layers.light = calloc(count, sizeof *b.layers.light);
+	b.layers.open = calloc(count, sizeof *b.layers.open);
+	b.layers.state = calloc(count, 1);
+	b.layers.directional = how.directional ? calloc(count, sizeof *b.layers.directional) : NULL;
 	stilb_bake_light_options light = {.samples = how.samples, .ao_distance = INFINITY, .keep_hidden = how.keep_hidden};
-	assert_int_equal(stilb_bake_light(scene, b.atlas, b.texels, b.gather, b.pool, &light, b.light, b.open, b.state),
-	                 STILB_OK);
+	assert_int_equal(stilb_bake_light(scene, b.atlas, b.texels, b.gather, b.pool, &light, &b.layers), STILB_OK);
 	return b;
 }
 
 static void baked_finish(baked *b)
 {
-	free(b->light);
-	free(b->open);
-	free(b->state);
+	free(b->layers.light);
+	free(b->layers.directional);
+	free(b->layers.open);
+	free(b->layers.state);
 	stilb_bake_texels_destroy(b->texels);
 	stilb_bake_atlas_destroy(b->atlas);
 	stilb_gi_gather_destroy(b->gather);
@@ -153,13 +152,13 @@ static void test_an_even_sky(void **state)
 	baked b = bake(scene, (bake_how){.side = 64, .samples = 16, .depth = 8});
 	for (size_t i = 0; i < 64 * 64; i++) {
 		if (part_of(&b, i) == STILB_SCENE_NONE) {
-			assert_int_equal(b.state[i], STILB_BAKE_EMPTY);
+			assert_int_equal(b.layers.state[i], STILB_BAKE_EMPTY);
 			continue;
 		}
-		assert_int_equal(b.state[i], STILB_BAKE_LIT);
-		assert_float_equal(b.open[i], 1.0f, 0.0f);
+		assert_int_equal(b.layers.state[i], STILB_BAKE_LIT);
+		assert_float_equal(b.layers.open[i], 1.0f, 0.0f);
 		for (int k = 0; k < 3; k++)
-			assert_float_equal(b.light[i][k], sky[k], 1e-5f * sky[k]);
+			assert_float_equal(b.layers.light[i][k], sky[k], 1e-5f * sky[k]);
 	}
 	baked_finish(&b);
 }
@@ -227,7 +226,7 @@ static void test_parts_that_lean(void **state)
 		sums light = {0};
 		for (size_t i = 0; i < 128 * 128; i++)
 			if (part_of(&b, i) == p)
-				sums_add(&light, (double)b.light[i][0]);
+				sums_add(&light, (double)b.layers.light[i][0]);
 		assert_true(light.count > 100);
 		assert_mean_near(&light, truths[p], 2e-3);
 	}
@@ -253,7 +252,7 @@ static void test_a_furnace(void **state)
 		sums all = {0};
 		for (size_t i = 0; i < 64 * 64; i++)
 			if (part_of(&b, i) != STILB_SCENE_NONE)
-				sums_add(&all, (double)b.light[i][1]);
+				sums_add(&all, (double)b.layers.light[i][1]);
 		assert_true(all.count > 1000);
 		assert_mean(&all, cases[c].truth, 0.01);
 		baked_finish(&b);
@@ -285,8 +284,8 @@ static void test_a_wall_beside_a_plane(void **state)
 		double truth = mean_over(&b, i, open_beside_wall, at);
 		if (at[0] < 0.2 || at[0] > 4.0 || fabs(at[2]) > 3.0)
 			continue;
-		sums_add(&open, (double)b.open[i] - truth + 1.0);
-		sums_add(&light, (double)b.light[i][0] - truth + 1.0);
+		sums_add(&open, (double)b.layers.open[i] - truth + 1.0);
+		sums_add(&light, (double)b.layers.light[i][0] - truth + 1.0);
 	}
 	assert_true(open.count > 1000);
 	assert_mean(&open, 1.0, 1e-3);
@@ -330,7 +329,7 @@ static void test_form_factors(void **state)
 		double at[3];
 		if (part_of(&b, i) != 0)
 			continue;
-		double truth = mean_over(&b, i, square_factor, at), value = (double)b.light[i][0];
+		double truth = mean_over(&b, i, square_factor, at), value = (double)b.layers.light[i][0];
 		worst = fmax(worst, fabs(value - truth));
 		sums_add(&all, value - truth + 1.0);
 	}
@@ -338,6 +337,124 @@ static void test_form_factors(void **state)
 	assert_mean(&all, 1.0, 1e-4);
 	if (worst > 1e-3)
 		fail_msg("a texel is off by %g", worst);
+	baked_finish(&b);
+}
+
+/* ---- three directions -------------------------------------------------------------------------------------------- */
+
+/* The directions of the basis in the world at the texel of a square: by its corners on the page and in the world. */
+static void world_basis(const baked *b, size_t texel, double basis[STILB_BAKE_BASIS][3])
+{
+	uint32_t part = part_of(b, texel), page, t = b->texels->spots[texel][0].triangle;
+	const stilb_scene_mesh *mesh = &b->scene->meshes[b->scene->part_mesh[part]];
+	const float *m = b->scene->part_transform[part].m;
+	float at[3][2];
+	double world[3][3], u[3], v[3], n[3], lengths[3] = {0.0, 0.0, 0.0};
+	assert_true(stilb_bake_atlas_corners(b->atlas, part, t, &page, at));
+	for (int i = 0; i < 3; i++) {
+		const float *p = mesh->vertices[mesh->indices[3 * t + (uint32_t)i]].position;
+		for (int k = 0; k < 3; k++)
+			world[i][k] = (double)(m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2]);
+	}
+	/* Squares on pages are not sheared, so u and v are perpendicular already; the front of the squares here is up. */
+	double bx = (double)(at[1][0] - at[0][0]), by = (double)(at[1][1] - at[0][1]), cx = (double)(at[2][0] - at[0][0]),
+		   cy = (double)(at[2][1] - at[0][1]);
+	for (int k = 0; k < 3; k++) {
+		u[k] = (cy * (world[1][k] - world[0][k]) - by * (world[2][k] - world[0][k])) / (bx * cy - by * cx);
+		v[k] = (bx * (world[2][k] - world[0][k]) - cx * (world[1][k] - world[0][k])) / (bx * cy - by * cx);
+		n[k] = (double)m[4 + k];
+	}
+	for (int k = 0; k < 3; k++) {
+		lengths[0] += u[k] * u[k];
+		lengths[1] += v[k] * v[k];
+		lengths[2] += n[k] * n[k];
+	}
+	for (uint32_t d = 0; d < STILB_BAKE_BASIS; d++) {
+		stilb_vec3 local = stilb_bake_basis(d);
+		for (int k = 0; k < 3; k++)
+			basis[d][k] = (double)local[0] * u[k] / sqrt(lengths[0]) + (double)local[1] * v[k] / sqrt(lengths[1]) +
+			              (double)local[2] * n[k] / sqrt(lengths[2]);
+	}
+}
+
+/* A sun: E_k is max(b_k . l, 0), exactly, on a square, one that is turned, and one that is mirrored. A surface without
+ * bumps has the lightmap. */
+static void test_three_directions_of_a_sun(void **state)
+{
+	(void)state;
+	stilb_scene *scene = squares(3);
+	const float black[3] = {0.0f, 0.0f, 0.0f};
+	float c = cosf(0.3f), s = sinf(0.3f);
+	for (uint32_t p = 0; p < 3; p++)
+		square_mesh(&scene->meshes[p], 1.0f, 0.0f, true);
+	made_set(&scene->part_transform[1].m[0], c, s, 0.0f);
+	made_set(&scene->part_transform[1].m[4], -s, c, 0.0f);
+	made_set(&scene->part_transform[2].m[8], 0.0f, 0.0f, -1.0f);
+	scene->part_transform[1].m[12] = 50.0f;
+	scene->part_transform[2].m[12] = 100.0f;
+	stilb_scene_set_sky(scene, black);
+	scene->lights = calloc(1, sizeof *scene->lights);
+	scene->light_count = 1;
+	double l[3] = {0.48, 0.8, 0.36};
+	scene->lights[0] = (stilb_scene_light){
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {-0.48f, -0.8f, -0.36f}, .intensity = {3.0f, 2.0f, 1.0f}};
+	baked b = bake(scene, (bake_how){.side = 64, .samples = 4, .depth = 1, .directional = true});
+	uint32_t seen[3] = {0, 0, 0};
+	for (size_t i = 0; i < 64 * 64; i++) {
+		double basis[STILB_BAKE_BASIS][3], expected[STILB_BAKE_BASIS], mean = 0.0;
+		uint32_t part = part_of(&b, i);
+		if (part == STILB_SCENE_NONE || !(b.texels->spots[i][0].share > 0.0f))
+			continue;
+		world_basis(&b, i, basis);
+		for (uint32_t k = 0; k < STILB_BAKE_BASIS; k++) {
+			expected[k] = fmax(basis[k][0] * l[0] + basis[k][1] * l[1] + basis[k][2] * l[2], 0.0);
+			mean += expected[k] / 3.0;
+		}
+		for (int ch = 0; ch < 3; ch++) {
+			double light = (double)b.layers.light[i][ch], sum = 0.0;
+			assert_true(light > 0.1);
+			for (uint32_t k = 0; k < STILB_BAKE_BASIS; k++) {
+				double value = (double)b.layers.directional[i][k][ch];
+				sum += value;
+				assert_true(fabs(value / light - expected[k] / mean) < 1e-4);
+			}
+			assert_true(fabs(sum / (3.0 * light) - 1.0) < 1e-5);
+		}
+		seen[part]++;
+	}
+	assert_true(seen[0] > 100 && seen[1] > 100 && seen[2] > 100);
+	baked_finish(&b);
+}
+
+/* Under an even sky all three are the lightmap, but for noise: a bump changes nothing. */
+static void test_three_directions_of_an_even_sky(void **state)
+{
+	(void)state;
+	stilb_scene *scene = squares(1);
+	const float sky[3] = {1.0f, 2.0f, 0.5f};
+	square_mesh(&scene->meshes[0], 1.0f, 0.0f, true);
+	stilb_scene_set_sky(scene, sky);
+	baked b = bake(scene, (bake_how){.side = 64, .samples = 64, .depth = 1, .directional = true});
+	sums each[STILB_BAKE_BASIS] = {{0}};
+	for (size_t i = 0; i < 64 * 64; i++) {
+		float intensities[STILB_BAKE_BASIS];
+		if (part_of(&b, i) == STILB_SCENE_NONE)
+			continue;
+		stilb_bake_intensities(b.layers.directional[i], intensities);
+		assert_float_equal(intensities[0] + intensities[1] + intensities[2], 3.0f, 1e-5f);
+		for (uint32_t k = 0; k < STILB_BAKE_BASIS; k++) {
+			assert_float_equal(b.layers.directional[i][k][1], 2.0f * intensities[k], 1e-4f);
+			sums_add(&each[k], (double)b.layers.directional[i][k][0]);
+		}
+	}
+	for (uint32_t k = 0; k < STILB_BAKE_BASIS; k++)
+		assert_mean(&each[k], 1.0, 5e-3);
+	stilb_vec3 flat = stilb_bake_basis_weights(stilb_vec3_make(0.0f, 0.0f, 1.0f)),
+			   first = stilb_bake_basis_weights(stilb_bake_basis(0));
+	for (int k = 0; k < 3; k++) {
+		assert_float_equal(flat[k], 1.0f / 3.0f, 1e-6f);
+		assert_float_equal(first[k], k == 0, 1e-6f);
+	}
 	baked_finish(&b);
 }
 
@@ -378,7 +495,7 @@ static void test_texels_beside_pictures(void **state)
 	while (count < 12) {
 		uint32_t i = (uint32_t)(4096.0f * made_random(&random));
 		uint32_t part = part_of(&b, i);
-		if (part == STILB_SCENE_NONE || b.state[i] != STILB_BAKE_LIT ||
+		if (part == STILB_SCENE_NONE || b.layers.state[i] != STILB_BAKE_LIT ||
 		    b.scene->materials[b.scene->part_material[part]].diffuse[1] < 0.1f)
 			continue;
 		chosen[count++] = i;
@@ -396,8 +513,7 @@ static void test_texels_beside_pictures(void **state)
 	stilb_gi_gather_destroy(b.gather);
 	assert_int_equal(stilb_gi_gather_create(b.gi, &settings, 1, &b.gather), STILB_OK);
 	stilb_bake_light_options light = {.samples = BESIDE_SAMPLES, .ao_distance = 1.0f};
-	assert_int_equal(stilb_bake_light(b.scene, b.atlas, b.texels, b.gather, b.pool, &light, b.light, NULL, b.state),
-	                 STILB_OK);
+	assert_int_equal(stilb_bake_light(b.scene, b.atlas, b.texels, b.gather, b.pool, &light, &b.layers), STILB_OK);
 	for (uint32_t k = 0; k < count; k++) {
 		uint32_t part = part_of(&b, chosen[k]), spots = 0;
 		const stilb_scene_mesh *mesh = &b.scene->meshes[b.scene->part_mesh[part]];
@@ -413,7 +529,7 @@ static void test_texels_beside_pictures(void **state)
 			spots++;
 		}
 		mean /= spots;
-		double error = sqrt(2.0 * squares) / spots, value = (double)b.light[chosen[k]][1];
+		double error = sqrt(2.0 * squares) / spots, value = (double)b.layers.light[chosen[k]][1];
 		if (!(fabs(value - mean) <= 4.5 * error) || !(error < 0.03 * mean))
 			fail_msg("texel %u: %.5f, the picture %.5f +- %.5f", chosen[k], value, mean, error);
 	}
@@ -447,16 +563,16 @@ static void test_texels_below_a_box(void **state)
 		bool below = at[0] > 0.06 && at[0] < 0.94 && at[2] > 0.06 && at[2] < 0.94;
 		bool beside = at[0] < -0.06 || at[0] > 1.06 || at[2] < -0.06 || at[2] > 1.06;
 		if (below)
-			assert_int_equal(b.state[i], STILB_BAKE_HIDDEN);
+			assert_int_equal(b.layers.state[i], STILB_BAKE_HIDDEN);
 		if (beside)
-			assert_int_equal(b.state[i], STILB_BAKE_LIT);
+			assert_int_equal(b.layers.state[i], STILB_BAKE_LIT);
 		hidden += below;
 	}
 	assert_true(hidden > 20);
-	assert_int_equal(stilb_bake_fill(64, b.texels->place, 3, b.state, true, b.light[0], 3), STILB_OK);
+	assert_int_equal(stilb_bake_fill(64, b.texels->place, 3, b.layers.state, true, b.layers.light[0], 3), STILB_OK);
 	for (size_t i = 0; i < 64 * 64; i++)
 		if (part_of(&b, i) == 0)
-			assert_true(b.light[i][0] > 0.3f && b.state[i] != STILB_BAKE_HIDDEN);
+			assert_true(b.layers.light[i][0] > 0.3f && b.layers.state[i] != STILB_BAKE_HIDDEN);
 	baked_finish(&b);
 }
 
@@ -488,9 +604,9 @@ static void test_the_border_is_filled(void **state)
 static uint64_t bits_of(uint32_t workers)
 {
 	baked b = bake(opened("cornell"), (bake_how){.side = 64, .samples = 6, .depth = 8, .workers = workers});
-	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, b.light, 64 * 64 * sizeof *b.light);
-	hash = stilb_hash_fnv1a64(hash, b.open, 64 * 64 * sizeof *b.open);
-	hash = stilb_hash_fnv1a64(hash, b.state, 64 * 64);
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, b.layers.light, 64 * 64 * sizeof *b.layers.light);
+	hash = stilb_hash_fnv1a64(hash, b.layers.open, 64 * 64 * sizeof *b.layers.open);
+	hash = stilb_hash_fnv1a64(hash, b.layers.state, 64 * 64);
 	baked_finish(&b);
 	return hash;
 }
@@ -515,7 +631,7 @@ static void test_it_can_be_given_up(void **state)
 	(void)state;
 	baked b = bake(opened("cornell"), (bake_how){.side = 64, .samples = 1, .depth = 1});
 	stilb_bake_light_options light = {.samples = 64, .ao_distance = 1.0f, .watch = give_up};
-	assert_int_equal(stilb_bake_light(b.scene, b.atlas, b.texels, b.gather, b.pool, &light, b.light, b.open, b.state),
+	assert_int_equal(stilb_bake_light(b.scene, b.atlas, b.texels, b.gather, b.pool, &light, &b.layers),
 	                 STILB_ERROR_GIVEN_UP);
 	baked_finish(&b);
 }
@@ -528,6 +644,8 @@ int main(void)
 		cmocka_unit_test(test_a_furnace),
 		cmocka_unit_test(test_a_wall_beside_a_plane),
 		cmocka_unit_test(test_form_factors),
+		cmocka_unit_test(test_three_directions_of_a_sun),
+		cmocka_unit_test(test_three_directions_of_an_even_sky),
 		cmocka_unit_test(test_texels_beside_pictures),
 		cmocka_unit_test(test_texels_below_a_box),
 		cmocka_unit_test(test_the_border_is_filled),

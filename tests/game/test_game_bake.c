@@ -2,6 +2,8 @@
 #include "image/image.h"
 #include "support/stilb_program.h"
 
+#include <math.h>
+
 #define SMALL "bake cornell --page 64 --spp 2 --depth 4 "
 
 /* The mean of all channels of a picture that has this size and number of channels. */
@@ -72,6 +74,18 @@ static void test_the_same_bits(void **state)
 	assert_false(same_file("lightmap-0.exr", "light.exr"));
 }
 
+static void test_three_directions(void **state)
+{
+	(void)state;
+	stilb_good(SMALL "-o . --what rnm,intensity");
+	double light = mean_of("lightmap-0.exr", 64, 3), sum = 0.0;
+	sum += mean_of("rnm1-0.exr", 64, 3) + mean_of("rnm2-0.exr", 64, 3) + mean_of("rnm3-0.exr", 64, 3);
+	assert_true(light > 0.1 && fabs(sum / (3.0 * light) - 1.0) < 0.01);
+	assert_true(mean_of("intensity-0.exr", 64, 3) > 0.5);
+	read_stats("bake.json");
+	assert_true(stat_ms("intensity_error") > 0.01 && stat_ms("intensity_error") < 1.0);
+}
+
 static void test_pages_and_folders(void **state)
 {
 	(void)state;
@@ -102,7 +116,8 @@ static void test_what_is_refused(void **state)
 	(void)state;
 	refused("bake", "no scene; give one");
 	refused("bake cornell", "no output; give -o DIR");
-	refused("bake cornell -o . --what lightmap,rnm", "--what: 'rnm' is not known; give some of lightmap, ao, glb");
+	refused("bake cornell -o . --what lightmap,sun",
+	        "--what: 'sun' is not known; give some of lightmap, ao, glb, rnm, intensity");
 	refused("bake cornell -o . --show {}", "--show");
 	refused("bake cornell -o . --show chart", "'chart' is not known; give some of charts, texels, states, light");
 	refused("bake cornell -o /nonexistent/a/b", "cannot make the folder '/nonexistent/a/b'");
@@ -120,6 +135,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_it_just_works, folder_fresh),
 		cmocka_unit_test_setup(test_the_glb_is_a_scene, folder_fresh),
 		cmocka_unit_test_setup(test_the_same_bits, folder_fresh),
+		cmocka_unit_test_setup(test_three_directions, folder_fresh),
 		cmocka_unit_test_setup(test_pages_and_folders, folder_fresh),
 		cmocka_unit_test_setup(test_what_is_refused, folder_fresh),
 	};

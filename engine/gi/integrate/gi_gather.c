@@ -268,6 +268,6 @@ void stilb_gi_gather_open(stilb_gi_gather *gather, uint32_t thread_index, const 
 	}
 	view->scene->tracer.occluded(&view->scene->tracer, thread->shadows, rays);
 	for (uint32_t s = 0; s < rays; s++)
-		open[thread->shadows[s].id] = thread->shadows[s].t_max >= 0.0f;
+		open[thread->shadows[s].id] = thread->shadows[s].t_max >= 0.0f ? 1.0f : 0.0f;
 	gi_counter_add(&thread->traced, rays);
 }
