@@ -106,10 +106,10 @@ static const goal goals[] = {
 	{"build-10m", "ratio", "build time / rtcCommitScene's", 1.02, true},
 	{"build-10m", "memory", "memory of tree, vertices and triangles / of Embree's program", 1.1, true},
 #define RAYS(NAME)                                                                                                     \
-	{NAME, "path-share", "rays/s of a picture / Embree alone on the same rays", 0.8, false},                           \
-		{NAME, "primary-share", "camera rays/s with their surfaces / Embree alone", 0.9, false},                       \
-		{NAME, "shadow-share", "shadow rays/s / Embree alone", 0.9, false},
-	RAYS("rays-cornell") RAYS("rays-open-sky") RAYS("rays-foliage") RAYS("rays-million")
+	{"rays-" NAME, "path-share", "rays/s of a picture / Embree alone on the same rays", 0.8, false},                   \
+		{"rays-" NAME, "primary-share", "camera rays/s with their surfaces / Embree alone", 0.9, false},               \
+		{"rays-" NAME, "shadow-share", "shadow rays/s / Embree alone", 0.9, false},
+	RAYS("cornell") RAYS("open-sky") RAYS("foliage") RAYS("million") RAYS("door") RAYS("metals")
 #undef RAYS
 		{"sobol", "ratio", "samples/s, Owen-scrambled Sobol / independent numbers", 0.95, false},
 	{"choice", "ratio", "RMSE at equal time, light tree / uniform choice", 0.5, true},

@@ -24,6 +24,8 @@
 	X("rays-open-sky", "the same of bumpy spheres under a sky and a sun", rays)                                        \
 	X("rays-foliage", "the same of leaves cut out of a texture", rays)                                                 \
 	X("rays-million", "the same of 1,037,244 triangles", rays)                                                         \
+	X("rays-door", "the same of a room lit through a door", rays)                                                      \
+	X("rays-metals", "the same of metals, two lamps, a dim sky", rays)                                                 \
 	X("sobol", "path tracing with Owen-scrambled Sobol points, beside independent random numbers", samples)            \
 	X("choice", "which of 1,000 triangles and 1,000 points to ask: the light tree, any, the best by brute force",      \
 	  choice)                                                                                                          \
