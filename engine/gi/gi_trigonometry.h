@@ -9,8 +9,21 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #define GI_LANE static inline __attribute__((always_inline))
+
+/* yes where `where` is 1, no where it is 0. Of ?: compilers may make a branch, where a part of one side is a constant
+ * or was computed before; then the loop around it does not become SIMD. */
+GI_LANE float gi_select(int32_t where, float yes, float no)
+{
+	int32_t a, b, mask = -where;
+	memcpy(&a, &yes, sizeof a);
+	memcpy(&b, &no, sizeof b);
+	a = (a & mask) | (b & ~mask);
+	memcpy(&yes, &a, sizeof yes);
+	return yes;
+}
 
 /* Sine and cosine of |x| <= pi / 4, relative error below 2e-8 and rounding: the series up to x^7 and x^8 with the last
  * three coefficients interpolated at Chebyshev's points of x^2. */
@@ -33,9 +46,9 @@ GI_LANE void gi_sine_and_cosine(float x, float *sine, float *cosine)
 	int32_t quarter = (int32_t)(x * (2.0f * SHADE_INV_PI) + 0.5f);
 	float rest = (x - (float)quarter * 1.5703125f) - (float)quarter * 4.83826795e-4f;
 	float s = gi_sine_small(rest), c = gi_cosine_small(rest);
-	float across = quarter & 1 ? c : s, along = quarter & 1 ? s : c;
-	*sine = quarter & 2 ? -across : across;
-	*cosine = (quarter + 1) & 2 ? -along : along;
+	float across = gi_select(quarter & 1, c, s), along = gi_select(quarter & 1, s, c);
+	*sine = gi_select(quarter >> 1 & 1, -across, across);
+	*cosine = gi_select((quarter + 1) >> 1 & 1, -along, along);
 }
 
 /* |x| <= 1. The error is at most 2e-8 and rounding. Source: Abramowitz and Stegun, "Handbook of Mathematical Functions"
@@ -51,7 +64,7 @@ GI_LANE float gi_arc_cosine(float x)
 	p = -0.2145988016f + p * size;
 	p = 1.5707963050f + p * size;
 	float angle = sqrtf(1.0f - size) * p;
-	return x < 0.0f ? SHADE_PI - angle : angle;
+	return gi_select(x < 0.0f, SHADE_PI - angle, angle);
 }
 
 #endif

@@ -106,11 +106,11 @@ GI_LANE void lanes_points(const gi_lanes *lanes, const rectangle_rows *rows, con
 		int32_t by_angle = gi_rectangle_is_near(&seen, area) & (seen.solid_angle > GI_LIGHT_ANGLE_MIN);
 		float x, y;
 		gi_rectangle_by_angle(&seen, u, v, &x, &y);
-		x = by_angle ? x : u * rows->sizes[0][i];
-		y = by_angle ? y : v * rows->sizes[1][i];
+		x = gi_select(by_angle, x, u * rows->sizes[0][i]);
+		y = gi_select(by_angle, y, v * rows->sizes[1][i]);
 		float dx = cx + ax * x + bx * y, dy = cy + ay * x + by * y, dz = cz + az * x + bz * y;
 		float distance = sqrtf(dx * dx + dy * dy + dz * dz), scale = 1.0f / distance;
-		float density = by_angle ? 1.0f / seen.solid_angle : distance * distance * distance / (height * area);
+		float density = gi_select(by_angle, 1.0f / seen.solid_angle, distance * distance * distance / (height * area));
 		float end = distance - (rows->sizes[3][i] + 0x1p-21f * distance) / (height * scale);
 		light[0][i] = dx * scale;
 		light[1][i] = dy * scale;

@@ -45,8 +45,8 @@ GI_LANE int32_t gi_rectangle_is_near(const gi_rectangle_seen *seen, float area)
 /* x, or the end of the range that it is beyond; NaN becomes high. */
 GI_LANE float gi_rectangle_limited(float x, float low, float high)
 {
-	float most = x < high ? x : high;
-	return most > low ? most : low;
+	float most = gi_select(x < high, x, high);
+	return gi_select(most > low, most, low);
 }
 
 /* A point, uniform by solid angle, as its distance x along edge_1 and y along edge_2 from the corner: first that x for
@@ -60,11 +60,13 @@ GI_LANE void gi_rectangle_by_angle(const gi_rectangle_seen *seen, float u, float
 	float across = cosine * seen->b0 - seen->b1;
 	/* 1 - b0^2 is height2 / (height2 + y0 * y0) */
 	float below = across * across - sine * sine * (height2 / (height2 + y0 * y0));
-	float size = seen->height * fabsf(sine) / sqrtf(below > GI_LIGHT_SQUARE_MIN ? below : GI_LIGHT_SQUARE_MIN);
-	float xu = gi_rectangle_limited(across * sine < 0.0f ? -size : size, seen->x0, seen->x1), d2 = xu * xu + height2;
+	float size = seen->height * fabsf(sine) / sqrtf(gi_select(below > GI_LIGHT_SQUARE_MIN, below, GI_LIGHT_SQUARE_MIN));
+	float xu = gi_rectangle_limited(gi_select(across * sine < 0.0f, -size, size), seen->x0, seen->x1),
+		  d2 = xu * xu + height2;
 	float h0 = y0 / sqrtf(d2 + y0 * y0), h1 = y1 / sqrtf(d2 + y1 * y1), hv = h0 + v * (h1 - h0);
 	float left = 1.0f - hv * hv;
-	float yv = gi_rectangle_limited(hv * sqrtf(d2 / (left > GI_LIGHT_SQUARE_MIN ? left : GI_LIGHT_SQUARE_MIN)), y0, y1);
+	float yv =
+		gi_rectangle_limited(hv * sqrtf(d2 / gi_select(left > GI_LIGHT_SQUARE_MIN, left, GI_LIGHT_SQUARE_MIN)), y0, y1);
 	*x = xu - seen->x0;
 	*y = yv - y0;
 }
