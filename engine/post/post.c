@@ -210,7 +210,7 @@ void stilb_post_see(stilb_post *post, const stilb_render_view *view)
 	if (post->follows) {
 		stilb_mat4 last = stilb_mat4_identity();
 		memcpy(&last.m[12], view->camera_position, sizeof view->camera_position);
-		last = stilb_mat4_multiply(*view->last, last);
+		last = stilb_mat4_multiply(stilb_render_view_drawn_last(view), last);
 		post->to_last = stilb_mat4_multiply(last, post->from_clip);
 	}
 }

@@ -219,7 +219,7 @@ void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *he
 }
 
 /* Moves what a matrix projects, in x and y of clip space. */
-stilb_mat4 render_matrix_moved(const stilb_mat4 *matrix, const float by[2])
+static stilb_mat4 matrix_moved(const stilb_mat4 *matrix, const float by[2])
 {
 	stilb_mat4 moved = *matrix;
 	for (int c = 0; c < 4; c++)
@@ -231,7 +231,13 @@ stilb_mat4 render_matrix_moved(const stilb_mat4 *matrix, const float by[2])
 stilb_mat4 stilb_render_view_drawn(const stilb_render_view *view)
 {
 	STILB_ASSERT(view);
-	return render_matrix_moved(&view->view_projection, view->jitter);
+	return matrix_moved(&view->view_projection, view->jitter);
+}
+
+stilb_mat4 stilb_render_view_drawn_last(const stilb_render_view *view)
+{
+	STILB_ASSERT(view);
+	return matrix_moved(view->last ? view->last : &view->view_projection, view->jitter);
 }
 
 stilb_result stilb_render_frame_begin(stilb_render *render)

@@ -755,8 +755,10 @@ typedef struct stilb_render_view {
 	stilb_render_dither dither;
 } stilb_render_view;
 
-/* The matrix by which the view is drawn: its view_projection, and jitter. [any-thread] */
+/* The matrices by which the view is drawn, moved by its jitter: its view_projection, and that of the frame before,
+ * which without a `last` is the same. [any-thread] */
 stilb_mat4 stilb_render_view_drawn(const stilb_render_view *view);
+stilb_mat4 stilb_render_view_drawn_last(const stilb_render_view *view);
 
 /* The largest BRDF times cosine that a surface of the scene may have, sr^-1, shaded like that: the bound of
  * shade_brdf_peak for the lowest roughness, the highest reflectances and the layers of all materials. A roughness from

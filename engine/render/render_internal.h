@@ -645,9 +645,6 @@ static inline float render_view_pixels(const stilb_render_view *view, uint32_t h
 	return 0.5f * (float)height * sqrtf(m[1] * m[1] + m[5] * m[5] + m[9] * m[9]);
 }
 
-/* Such a matrix with its pictures moved by so much in x and y of clip space. (render.c) */
-stilb_mat4 render_matrix_moved(const stilb_mat4 *matrix, const float by[2]);
-
 /* Writes the maps of the view's lights, if any has some, to the frame's memory, before it is placed. */
 stilb_result render_shadows_place(stilb_render *render, const stilb_render_view *view, render_view_lights *lights);
 

@@ -82,8 +82,8 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	STILB_ASSERT(index < STILB_RENDER_MAX_PASSES);
 	STILB_ASSERT(fabsf(view->jitter[0]) * (float)width < 1.0f && fabsf(view->jitter[1]) * (float)height < 1.0f);
 	render_view_data *out = (render_view_data *)slot->views.mapped + index;
-	stilb_mat4 drawn = stilb_render_view_drawn(view), last = view->last ? *view->last : view->view_projection;
-	stilb_mat4 last_drawn = render_matrix_moved(&last, view->jitter), from_clip = stilb_mat4_inverse(&drawn);
+	stilb_mat4 drawn = stilb_render_view_drawn(view), last = stilb_render_view_drawn_last(view);
+	stilb_mat4 from_clip = stilb_mat4_inverse(&drawn);
 	memcpy(out->view_projection, drawn.m, sizeof out->view_projection);
 	render_ambient ambient;
 	render_ambient_of(view, stream->panorama, &ambient);
@@ -97,7 +97,7 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	out->half_size[0] = 0.5f * (float)width;
 	out->half_size[1] = 0.5f * (float)height;
 	out->far = render_deferred_far(view);
-	memcpy(out->last_view_projection, last_drawn.m, sizeof out->last_view_projection);
+	memcpy(out->last_view_projection, last.m, sizeof out->last_view_projection);
 	memcpy(out->from_clip, from_clip.m, sizeof out->from_clip);
 	memcpy(out->jitter, view->jitter, sizeof out->jitter);
 	out->last_vertices = device->heaps[RENDER_HEAP_LAST].address;
