@@ -333,6 +333,42 @@ static void edges_are_as_wide(void **state)
 		}
 }
 
+/* True if a pixel is lit and the four beside it are dark, or the other way round. */
+static bool stands_alone(const float *share, int width, int i)
+{
+	float low = fminf(fminf(share[i - 1], share[i + 1]), fminf(share[i - width], share[i + width]));
+	float high = fmaxf(fmaxf(share[i - 1], share[i + 1]), fmaxf(share[i - width], share[i + width]));
+	return (share[i] > 0.6f && high < 0.2f) || (share[i] < 0.4f && low > 0.8f);
+}
+
+/* A lamp far above balls, which are small in its map: their shadows have no lit specks, nor have what is in light dark
+ * ones. */
+static void far_lamps_have_whole_shadows(void **state)
+{
+	(void)state;
+	enum { COLUMNS = 80, ROWS = 180 }; /* maps are as fine as pictures are high */
+	stilb_scene_light light = {.kind = STILB_SCENE_LIGHT_RECTANGLE,
+	                           .position = {3.0f, 9.0f, 2.0f},
+	                           .direction = {0, -1, 0},
+	                           .intensity = {1000, 1000, 1000},
+	                           .half_x = {0.4f, 0, 0},
+	                           .half_y = {0, 0, 0.4f}};
+	shadow_stage stage = shadow_stage_open(SHADOW_STAGE_BALLS, 7, &light, maps, COLUMNS, ROWS);
+	stage.scene->camera = (stilb_scene_camera){
+		.position = {0.5f, 4.0f, 5.5f}, .pitch = -0.65f, .fov_y = 0.9f, .near_z = 0.05f, .far_z = 100.0f};
+	const float *share = shadow_stage_share(&stage);
+	uint32_t dark = 0, lit = 0, alone = 0;
+	for (int i = COLUMNS + 1; i < COLUMNS * (ROWS - 1) - 1; i++) {
+		dark += share[i] < 0.1f;
+		lit += share[i] > 0.9f;
+		alone += stands_alone(share, COLUMNS, i);
+	}
+	print_message("a lamp 9 m away: %u pixels dark, %u lit, %u stand alone\n", dark, lit, alone);
+	assert_true(dark > 100 && lit > 1000);
+	assert_true(alone <= 4);
+	shadow_stage_close(&stage);
+}
+
 /* Of many things in front of each other: shadows of lamps are nearer to those of rays than shadows of points in their
  * places, over all scenes together; of one scene they may be off by a tenth more, and where no edge is in sight by .03.
  * References are to a standard error of 1 / 255. */
@@ -369,9 +405,10 @@ int main(int argc, char **argv)
 {
 	is_long = argc > 1 && strcmp(argv[1], "long") == 0;
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(wrong_pixels_are_near_edges), cmocka_unit_test(faces_are_chosen),
-		cmocka_unit_test(samples_are_chosen),          cmocka_unit_test(edges_are_as_wide),
-		cmocka_unit_test(sizes_lessen_the_error),      cmocka_unit_test(comparisons_are_chosen),
+		cmocka_unit_test(wrong_pixels_are_near_edges),  cmocka_unit_test(faces_are_chosen),
+		cmocka_unit_test(samples_are_chosen),           cmocka_unit_test(edges_are_as_wide),
+		cmocka_unit_test(sizes_lessen_the_error),       cmocka_unit_test(comparisons_are_chosen),
+		cmocka_unit_test(far_lamps_have_whole_shadows),
 	};
 	return cmocka_run_group_tests(tests, begin, end);
 }

@@ -131,37 +131,50 @@ float shadow_filtered(ShadowMap map, vec3 at, vec2 slope)
 	return sum / (4.0 * map.rest.w * map.rest.w);
 }
 
-// Number `index` of points that lie evenly in a disc of the radius 1, turned by an angle of the pixel's own: few points
-// show bands, turned ones a fine grain. Sources: Vogel, "A better way to construct the sunflower head" (1979); Jimenez,
-// "Next Generation Post Processing in Call of Duty: Advanced Warfare" (2014), for the angle.
-vec2 shadow_disc(int index, float count)
+// Number `index` of directions, each the golden angle from the one before, turned by an angle of the pixel's own: few
+// points show bands, turned ones a fine grain. Sources: Vogel, "A better way to construct the sunflower head" (1979);
+// Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare" (2014), for the angle.
+vec2 shadow_direction(int index)
 {
 	const float GOLDEN = 2.3999632;
 	float turned = 2.0 * SHADE_PI * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
 	float angle = turned + GOLDEN * float(index);
-	return sqrt((float(index) + 0.5) / count) * vec2(cos(angle), sin(angle));
+	return vec2(cos(angle), sin(angle));
+}
+
+// Number `index` of points that lie evenly in a disc of the radius 1.
+vec2 shadow_disc(int index, float count)
+{
+	return sqrt((float(index) + 0.5) / count) * shadow_direction(index);
 }
 
 // The share of a lamp with a size that is seen: what is in front of it, on average, says how wide its shadow's edge is.
-// Where nothing is near, the filter stays as it is. Source: Fernando, "Percentage-Closer Soft Shadows" (2005).
+// Asked for are places at distances that grow by equal factors: what is close to the lamp may lie far away in the map,
+// what is close to the point lies next to it. Of both what is not on the way to the lamp, as a ceiling around it, is left
+// out, in the search with some room, so that none is missed. Distances from the lamp are averaged, over which depth is
+// one. Where nothing is in front, all is seen. Source: Fernando, "Percentage-Closer Soft Shadows" (2005), but for the
+// places.
 float shadow_soft(ShadowMap map, vec3 at, vec2 slope)
 {
-	const int SEARCHED = 16, ASKED = 32;
+	const int SEARCHED = 24, ASKED = 32;
+	const float ROOM = 1.5;
 	float size = float(textureSize(shadow_maps, 0).x);
 	vec2 sides = min(at.xy - map.area.xy, map.area.zw - at.xy) - 1.0, beside;
-	float most = max(min(sides.x, sides.y), 1.0), least = max(map.rest.w, 1.0);
+	float least = max(map.rest.w, 1.0), most = max(min(sides.x, sides.y), least);
 	float radius = clamp(map.error.z * (1.0 - at.z), least, most), sum = 0.0, count = 0.0;
 	for (int i = 0; i < SEARCHED; i++) {
-		vec2 away = radius * shadow_disc(i, float(SEARCHED));
+		float far = least * pow(radius / least, (float(i) + 0.5) / float(SEARCHED));
+		vec2 away = far * shadow_direction(i);
 		vec4 stored = shadow_around(map, at.xy + away, size, beside);
 		vec4 middles = at.z + dot(slope, away + 0.5 - beside) + shadow_corners(slope);
-		vec4 before = vec4(lessThan(middles, stored));
-		sum += dot(before, stored);
+		vec4 wide = ROOM * map.error.z * (stored - at.z) + least;
+		vec4 before = vec4(lessThan(middles, stored)) * vec4(greaterThanEqual(wide, vec4(far)));
+		sum += dot(before, 1.0 / max(stored, 1e-9));
 		count += dot(before, vec4(1.0));
 	}
 	if (count == 0.0)
 		return 1.0;
-	radius = clamp(map.error.z * (sum / count - at.z), least, most);
+	radius = clamp(map.error.z * (count / sum - at.z), least, most);
 	sum = 0.0;
 	for (int i = 0; i < ASKED; i++) {
 		vec2 away = radius * shadow_disc(i, float(ASKED));
@@ -169,7 +182,9 @@ float shadow_soft(ShadowMap map, vec3 at, vec2 slope)
 		vec4 middles = at.z + dot(slope, away + 0.5 - beside) + shadow_corners(slope);
 		vec2 other = 1.0 - beside;
 		vec4 shares = vec4(other.x, beside.x, beside.x, other.x) * vec4(beside.yy, other.yy);
-		sum += dot(shares, vec4(greaterThanEqual(middles, stored)));
+		vec4 wide = map.error.z * (stored - at.z) + least;
+		vec4 beyond = vec4(lessThan(wide, vec4(length(away))));
+		sum += dot(shares, max(vec4(greaterThanEqual(middles, stored)), beyond));
 		shadow_judge(stored, middles, shares / float(ASKED));
 	}
 	return sum / float(ASKED);
