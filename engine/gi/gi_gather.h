@@ -35,6 +35,7 @@ typedef struct stilb_gi_gathered {
 	float irradiance[3]; /* on a surface with the point's normal */
 	float direction[3];  /* unit, towards where it came from, above the point's normal */
 	uint32_t point;      /* index in the call's points */
+	float distance;      /* metres, along the point's ray, to what it met; INFINITY: nothing, or a light was asked */
 	bool asked;          /* a light was asked; else the point's ray found it */
 	bool back;           /* the point's ray met the back of a triangle */
 } stilb_gi_gathered;

@@ -6,6 +6,7 @@
 #include "bake/bake_glb.h"
 #include "bake/bake_light.h"
 #include "bake/bake_picture.h"
+#include "bake/bake_probes.h"
 #include "base/base_file.h"
 #include "base/base_json.h"
 #include "image/image.h"
@@ -29,6 +30,8 @@ typedef struct bake_run {
 	stilb_gi_scene *gi_scene;
 	stilb_gi_gather *gather;
 	stilb_bake_atlas *atlas;
+	stilb_bake_probes probes;
+	double probes_s;
 	uint32_t page; /* that is being baked */
 	uint64_t begun_ns, said_ns, covered, hidden;
 	double open_s, unwrap_s, texels_s, light_s; /* light_s: with the files */
@@ -252,7 +255,7 @@ static stilb_result save_report(const bake_run *run)
 
 static bool page_lights(const bake_run *run)
 {
-	return run->options.what & ~BAKE_GLB;
+	return run->options.what & ~(uint32_t)(BAKE_GLB | BAKE_PROBES);
 }
 
 static stilb_result page_begin(bake_run *run, bake_page *page)
@@ -355,6 +358,109 @@ static stilb_result bake_pages(bake_run *run)
 	return result;
 }
 
+/* ---- probes ------------------------------------------------------------------------------------------------------ */
+
+/* stilb_bake_watch_fn */
+static bool probes_watch(void *user, double done)
+{
+	bake_run *run = user;
+	uint64_t now = stilb_time_ns();
+	if (run->terminal || now - run->said_ns > LINE_NS) {
+		run->said_ns = now;
+		fprintf(stderr, "%s%.0f %%, probes%s", run->terminal ? "\r" : "", 100.0 * done,
+		        run->terminal ? "\033[K" : "\n");
+	}
+	return bake_interrupted == 0;
+}
+
+/* How far probes see: a tile of 8 x 8 for each, (x, y, z) at column x and row y + z * count[1] of tiles. */
+static stilb_result save_seen(const bake_run *run)
+{
+	const stilb_bake_probes *p = &run->probes;
+	uint32_t width = p->count[0] * STILB_BAKE_SEEN, height = p->count[1] * p->count[2] * STILB_BAKE_SEEN;
+	char path[BAKE_PATH];
+	stilb_image image;
+	stilb_result result = stilb_image_create(&image, width, height, 4, STILB_IMAGE_F16_LINEAR);
+	if (result != STILB_OK)
+		return result;
+	for (uint32_t y = 0; y < height; y++)
+		for (uint32_t x = 0; x < width; x++) {
+			const stilb_bake_probe *probe = &p->probes[y / STILB_BAKE_SEEN * p->count[0] + x / STILB_BAKE_SEEN];
+			const float *from = probe->seen[y % STILB_BAKE_SEEN * STILB_BAKE_SEEN + x % STILB_BAKE_SEEN];
+			for (int k = 0; k < 4; k++)
+				((uint16_t *)image.pixels)[4 * ((size_t)y * width + x) + (size_t)k] =
+					stilb_image_half_from_float(from[k]);
+		}
+	bake_path(run, path, "probes-seen.exr", NULL);
+	result = stilb_image_save(&image, path);
+	stilb_image_finish(&image);
+	return result;
+}
+
+static void put_numbers(stilb_json *json, const char *key, const float *values, uint32_t count)
+{
+	stilb_json_begin(json, key, '[');
+	for (uint32_t i = 0; i < count; i++)
+		stilb_json_float(json, NULL, values[i]);
+	stilb_json_end(json, ']');
+}
+
+static stilb_result save_probes(const bake_run *run)
+{
+	const stilb_bake_probes *p = &run->probes;
+	char path[BAKE_PATH];
+	stilb_json json = {0};
+	stilb_json_begin(&json, NULL, '{');
+	stilb_json_begin(&json, "count", '[');
+	for (int k = 0; k < 3; k++)
+		stilb_json_int(&json, NULL, p->count[k]);
+	stilb_json_end(&json, ']');
+	put_numbers(&json, "low", p->low, 3);
+	stilb_json_float(&json, "spacing", p->spacing);
+	stilb_json_int(&json, "moved", p->moved);
+	stilb_json_int(&json, "dead", p->dead);
+	stilb_json_begin(&json, "probes", '[');
+	for (uint32_t i = 0; i < p->count[0] * p->count[1] * p->count[2]; i++) {
+		const stilb_bake_probe *probe = &p->probes[i];
+		stilb_json_begin(&json, NULL, '{');
+		put_numbers(&json, "position", probe->position, 3);
+		stilb_json_bool(&json, "dead", probe->dead);
+		put_numbers(&json, "r", probe->light.r.c, 9);
+		put_numbers(&json, "g", probe->light.g.c, 9);
+		put_numbers(&json, "b", probe->light.b.c, 9);
+		stilb_json_end(&json, '}');
+	}
+	stilb_json_end(&json, ']');
+	stilb_json_end(&json, '}');
+	bake_path(run, path, "probes.json", NULL);
+	return stilb_json_save(&json, path);
+}
+
+static stilb_result bake_probes(bake_run *run)
+{
+	const bake_options *o = &run->options;
+	uint64_t start = run->said_ns = stilb_time_ns();
+	stilb_gi_settings settings = stilb_gi_settings_default(run->scene);
+	settings.samples = (uint32_t)o->probe_samples;
+	settings.depth = (uint32_t)o->depth;
+	settings.only = (stilb_gi_only)o->only;
+	settings.seed = o->seed;
+	stilb_bake_probes_options options = {
+		.spacing = o->probe_spacing, .samples = (uint32_t)o->probe_samples, .watch = probes_watch, .user = run};
+	stilb_gi_gather *gather;
+	stilb_result result =
+		stilb_gi_gather_create(run->gi_scene, &settings, stilb_job_pool_worker_count(run->pool) + 1, &gather);
+	if (result != STILB_OK)
+		return result;
+	result = stilb_bake_probes_bake(run->scene, run->gi_scene, gather, run->pool, &options, &run->probes);
+	bake_progress_clear(run);
+	stilb_gi_gather_destroy(gather);
+	run->probes_s = seconds_since(start);
+	if (result == STILB_OK)
+		result = save_seen(run);
+	return result == STILB_OK ? save_probes(run) : result;
+}
+
 /* ---- the command ------------------------------------------------------------------------------------------------- */
 
 static stilb_result bake_pool(bake_run *run)
@@ -411,7 +517,7 @@ static stilb_result bake_unwrap(bake_run *run)
 static stilb_result bake_prepare(bake_run *run)
 {
 	const bake_options *o = &run->options;
-	if (!page_lights(run))
+	if (!page_lights(run) && !(o->what & BAKE_PROBES))
 		return STILB_OK;
 	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(run->pool);
 	stilb_result result = stilb_gi_scene_create(run->scene, &desc, &run->gi_scene);
@@ -454,6 +560,8 @@ static stilb_result bake_all(bake_run *run)
 		result = bake_pages(run);
 	if (result == STILB_OK && (run->options.what & BAKE_GLB))
 		result = save_glb(run);
+	if (result == STILB_OK && (run->options.what & BAKE_PROBES))
+		result = bake_probes(run);
 	return result == STILB_OK ? save_report(run) : result;
 }
 
@@ -469,11 +577,16 @@ static void bake_say(const bake_run *run)
 		printf("light:     %llu texels, %llu hidden, %.3g Mrays, %.2f s\n", (unsigned long long)run->covered,
 		       (unsigned long long)run->hidden, rays * 1e-6, run->light_s);
 	}
+	if (run->options.what & BAKE_PROBES)
+		printf("probes:    %u x %u x %u, %.3g m apart, %u moved, %u dead, %.2f s\n", run->probes.count[0],
+		       run->probes.count[1], run->probes.count[2], (double)run->probes.spacing, run->probes.moved,
+		       run->probes.dead, run->probes_s);
 	printf("files:     %s\n", run->options.output);
 }
 
 static void bake_finish(bake_run *run)
 {
+	stilb_bake_probes_finish(&run->probes);
 	stilb_gi_gather_destroy(run->gather);
 	stilb_gi_scene_destroy(run->gi_scene);
 	stilb_bake_atlas_destroy(run->atlas);

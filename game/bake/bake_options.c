@@ -15,6 +15,7 @@ static const bake_word what_words[] = {
 	{"glb", "the scene with the places of its triangles on the pages, for other programs"},
 	{"rnm", "light from three directions, for bumps: radiosity normal maps"},
 	{"intensity", "the same in one picture, whose colour is the lightmap's"},
+	{"probes", "light in the air, for what moves: a grid of spherical harmonics"},
 };
 
 static const bake_word show_words[] = {
@@ -82,7 +83,8 @@ flags_result bake_options_parse(bake_options *o, int argc, char **argv)
 	                    .side = 1024,
 	                    .mips = 1,
 	                    .samples = 64,
-	                    .depth = 64};
+	                    .depth = 64,
+	                    .probe_samples = 256};
 	const flag rows[] = {
 		{"scene", FLAG_WORD, &o->scene, NULL, NULL, 0, 0, NULL},
 		{"-o", FLAG_TEXT, &o->output, "DIR", "folder for the files; it is made if it is not there", 0, 0, NULL},
@@ -112,6 +114,11 @@ flags_result bake_options_parse(bake_options *o, int argc, char **argv)
 	     "texels that see backs of surfaces: fill from neighbours, or keep (fill)", 0, 0, hiddens},
 		{"--environment", FLAG_TEXT, &o->environment, "FILE", "panorama of the surroundings, .hdr or .exr", 0, 0, NULL},
 		{"--seed", FLAG_NUMBER, &o->seed, "N", "seed of all random numbers, 0..2^64-1 (0)", 0, UINT64_MAX, NULL},
+
+		{"Probes", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--probe-spacing", FLAG_AMOUNT, &o->probe_spacing, "D", "metres between them; 0: about 2,000 probes (0)", 0,
+	     1000000, NULL},
+		{"--probe-spp", FLAG_NUMBER, &o->probe_samples, "N", "samples of each, 16..65536 (256)", 16, 65536, NULL},
 
 		{"The run", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads, 1..256 or auto: one for each CPU (auto)", 1, 256, NULL},

@@ -11,6 +11,7 @@ enum {
 	BAKE_GLB = 1u << 2,
 	BAKE_RNM = 1u << 3,
 	BAKE_INTENSITY = 1u << 4,
+	BAKE_PROBES = 1u << 5,
 	BAKE_SHOW_CHARTS = 1u << 0,
 	BAKE_SHOW_TEXELS = 1u << 1,
 	BAKE_SHOW_STATES = 1u << 2,
@@ -21,8 +22,8 @@ typedef struct bake_options {
 	const char *scene, *output, *environment, *what_text, *show_text;
 	uint32_t what, show; /* bits */
 	uint32_t workers;
-	float density, ao_distance, cone, crease; /* degrees, those that are angles */
-	uint64_t side, mips, samples, depth, seed;
+	float density, ao_distance, probe_spacing, cone, crease; /* degrees, those that are angles */
+	uint64_t side, mips, samples, depth, seed, probe_samples;
 	int only, hidden; /* only: a stilb_gi_only; hidden: 0 fill, 1 keep */
 	bool allow_outside, quiet;
 } bake_options;

@@ -86,6 +86,20 @@ static void test_three_directions(void **state)
 	assert_true(stat_ms("intensity_error") > 0.01 && stat_ms("intensity_error") < 1.0);
 }
 
+static void test_probes(void **state)
+{
+	(void)state;
+	stilb_good("bake cornell -o . --what probes --probe-spacing 0.3 --probe-spp 32 --depth 4 --page 64");
+	assert_said(run.out, "probes:    ");
+	read_stats("probes.json");
+	long long count = stat_int("count[0]") * stat_int("count[1]") * stat_int("count[2]");
+	char path[64];
+	snprintf(path, sizeof path, "probes[%lld].g[0]", count - 1);
+	assert_true(count > 8 && atof(stat_text(path, '0')) > 0.0);
+	assert_int_equal(access("probes-seen.exr", F_OK), 0);
+	assert_int_equal(access("lightmap-0.exr", F_OK), -1);
+}
+
 static void test_pages_and_folders(void **state)
 {
 	(void)state;
@@ -117,7 +131,7 @@ static void test_what_is_refused(void **state)
 	refused("bake", "no scene; give one");
 	refused("bake cornell", "no output; give -o DIR");
 	refused("bake cornell -o . --what lightmap,sun",
-	        "--what: 'sun' is not known; give some of lightmap, ao, glb, rnm, intensity");
+	        "--what: 'sun' is not known; give some of lightmap, ao, glb, rnm, intensity, probes");
 	refused("bake cornell -o . --show {}", "--show");
 	refused("bake cornell -o . --show chart", "'chart' is not known; give some of charts, texels, states, light");
 	refused("bake cornell -o /nonexistent/a/b", "cannot make the folder '/nonexistent/a/b'");
@@ -136,6 +150,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_the_glb_is_a_scene, folder_fresh),
 		cmocka_unit_test_setup(test_the_same_bits, folder_fresh),
 		cmocka_unit_test_setup(test_three_directions, folder_fresh),
+		cmocka_unit_test_setup(test_probes, folder_fresh),
 		cmocka_unit_test_setup(test_pages_and_folders, folder_fresh),
 		cmocka_unit_test_setup(test_what_is_refused, folder_fresh),
 	};

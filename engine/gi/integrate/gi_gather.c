@@ -125,6 +125,7 @@ static stilb_gi_gathered found_make(stilb_vec3 radiance, stilb_vec3 direction, u
 	stilb_vec3 irradiance = radiance * SHADE_PI;
 	return (stilb_gi_gathered){.irradiance = {irradiance[0], irradiance[1], irradiance[2]},
 	                           .direction = {direction[0], direction[1], direction[2]},
+	                           .distance = INFINITY,
 	                           .point = point};
 }
 
@@ -234,6 +235,7 @@ uint32_t stilb_gi_gather_light(stilb_gi_gather *gather, uint32_t thread_index, c
 		const gi_ray_hit *ray = &thread->rays[i];
 		stilb_vec3 direction = gi_ray_direction(&ray->ray);
 		found[n] = found_make(thread->radiance[i], direction, thread->ray_of[i]);
+		found[n].distance = gi_is_hit(ray) ? ray->ray.t_max : INFINITY;
 		found[n++].back = gi_is_hit(ray) && stilb_vec3_dot(gi_vector(ray->hit.normal), direction) > 0.0f;
 	}
 	gi_counter_add(&thread->traced, traced);
