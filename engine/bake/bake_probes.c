@@ -56,8 +56,9 @@ static stilb_vec3 facing_of(uint32_t i, uint32_t n)
  * Independent Unit Vectors" (JCGT 2014). */
 static stilb_vec3 seen_direction(uint32_t i)
 {
-	float x = 2.0f * ((float)(i % STILB_BAKE_SEEN) + 0.5f) / STILB_BAKE_SEEN - 1.0f;
-	float y = 2.0f * ((float)(i / STILB_BAKE_SEEN) + 0.5f) / STILB_BAKE_SEEN - 1.0f;
+	uint32_t column = i % STILB_BAKE_SEEN, row = i / STILB_BAKE_SEEN;
+	float x = 2.0f * ((float)column + 0.5f) / STILB_BAKE_SEEN - 1.0f;
+	float y = 2.0f * ((float)row + 0.5f) / STILB_BAKE_SEEN - 1.0f;
 	float z = 1.0f - fabsf(x) - fabsf(y), back = fmaxf(-z, 0.0f);
 	x += x >= 0.0f ? -back : back;
 	y += y >= 0.0f ? -back : back;
