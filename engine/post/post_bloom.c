@@ -64,22 +64,17 @@ static stilb_result bloom_pass(bloom_chain *chain, post_program number, uint16_t
 {
 	static const char *const names[POST_PROGRAMS] = {"bloom halved", "bloom halved", "bloom summed", "bloom"};
 	stilb_gpu_program program;
-	stilb_result result = post_program_get(chain->post, chain->post->settings.bloom_format, number, &program);
+	stilb_result result = post_program_get(chain->post, number, &program);
 	if (result != STILB_OK)
 		return result;
 	bloom_push push = {
 		.texel = {1.0f / (float)width, 1.0f / (float)height}, .share = share, .exposure = exp2f(chain->post->exposure)};
 	stilb_gpu_pass pass = {
-		.name = names[number],
-		.kind = STILB_GPU_PASS_FULLSCREEN,
-		.program = program.id,
-		.color = {{.image = out, .load = STILB_GPU_LOAD_DISCARD}},
-		.color_count = 1,
-		.uses = {{.resource = filtered, .how = STILB_GPU_USE_SAMPLED, .sampler = chain->post->linear.id},
-	             {.resource = plain, .how = STILB_GPU_USE_SAMPLED, .slot = 1}},
-		.use_count = plain != 0 ? 2 : 1,
+		.color = {{.image = out}},
+		.uses = {{.resource = filtered, .sampler = chain->post->linear.id}, {.resource = plain}},
 		.constant_bytes = sizeof push,
 	};
+	post_row_fill(&pass, names[number], program, 1, plain != 0 ? 2 : 1);
 	memcpy(pass.constants, &push, sizeof push);
 	stilb_gpu_plan_pass(chain->plan, &pass);
 	return STILB_OK;

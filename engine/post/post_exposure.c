@@ -97,11 +97,11 @@ stilb_result post_exposure_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t 
 	uint64_t groups = (pixels + EXPOSURE_PIXELS - 1) / EXPOSURE_PIXELS;
 	post_meter *meter = &post->meter;
 	stilb_gpu_program program;
-	stilb_result result = post_program_get(post, STILB_POST_BLOOM_HALF, POST_EXPOSURE, &program);
+	stilb_result result = post_program_get(post, POST_EXPOSURE, &program);
 	if (result != STILB_OK)
 		return result;
 	meter->groups = groups < POST_EXPOSURE_GROUPS ? (uint32_t)groups : POST_EXPOSURE_GROUPS;
-	stilb_gpu_plan_buffer_row row = {.name = "exposure counts",
+	stilb_gpu_plan_buffer_row row = {.name = POST_EXPOSURE_COUNTS,
 	                                 .bytes = (uint64_t)meter->groups * POST_EXPOSURE_CLASSES * sizeof(uint32_t),
 	                                 .output = true};
 	uint16_t counts = stilb_gpu_plan_buffer(plan, &row);

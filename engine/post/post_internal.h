@@ -147,11 +147,14 @@ extern const stilb_gpu_shader post_shader_lens_light, post_shader_lens_halve, po
 extern const stilb_gpu_shader post_shader_lens_reach, post_shader_lens_gather, post_shader_lens_combine;
 extern const stilb_gpu_shader post_shader_lens_blur, post_shader_lens_lerp;
 
-/* The program of this number, made when it is first asked for; of bloom in this format. Constant 0 of bloom's shaders
- * is whether it is FIXED, 1 of the one that halves whether it is the first; 0 of the one of
+/* The program of this number, made when it is first asked for; of bloom in the settings' format. Constant 0 of bloom's
+ * shaders is whether it is FIXED, 1 of the one that halves whether it is the first; 0 of the one of
  * tiles whether it reads velocities. */
-stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, post_program number,
-                              stilb_gpu_program *program);
+stilb_result post_program_get(stilb_post *post, post_program number, stilb_gpu_program *program);
+
+/* What fullscreen rows of effects have in common: fills in the row's kind, and that each of its colours, which it has,
+ * is drawn anew, and use number u, which names a resource, is sampled at binding u. */
+void post_row_fill(stilb_gpu_pass *row, const char *name, stilb_gpu_program program, uint32_t colors, uint32_t uses);
 
 /* The depth by which the image of velocities was decided; 0: there is none. */
 uint16_t post_velocity_depth(const stilb_gpu_plan *plan);

@@ -92,17 +92,8 @@ static stilb_result lens_pass(const lens_frame *frame, post_lens_program number,
 	stilb_result result = lens_program(frame->post, number, &program);
 	if (result != STILB_OK)
 		return result;
-	pass.name = lens_programs[number].name;
-	pass.kind = STILB_GPU_PASS_FULLSCREEN;
-	pass.program = program.id;
-	pass.color_count = pass.color[1].image != 0 ? 2 : 1;
-	for (uint32_t c = 0; c < pass.color_count; c++)
-		pass.color[c].load = STILB_GPU_LOAD_DISCARD;
-	pass.use_count = lens_programs[number].samplers;
-	for (uint32_t u = 0; u < pass.use_count; u++) {
-		pass.uses[u].how = STILB_GPU_USE_SAMPLED;
-		pass.uses[u].slot = (uint16_t)u;
-	}
+	post_row_fill(&pass, lens_programs[number].name, program, pass.color[1].image != 0 ? 2 : 1,
+	              lens_programs[number].samplers);
 	if (number != POST_LENS_TILES) {
 		memcpy(pass.constants, &frame->push, sizeof frame->push);
 		pass.constant_bytes = sizeof frame->push;

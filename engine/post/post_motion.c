@@ -32,20 +32,13 @@ static stilb_result motion_pass(motion_chain *chain, const char *name, post_prog
                                 const uint16_t *reads, uint32_t count, bool previous, uint32_t tile_x, uint32_t tile_y)
 {
 	stilb_gpu_program program;
-	stilb_result result = post_program_get(chain->post, STILB_POST_BLOOM_HALF, number, &program);
+	stilb_result result = post_program_get(chain->post, number, &program);
 	if (result != STILB_OK)
 		return result;
-	stilb_gpu_pass pass = {.name = name,
-	                       .kind = STILB_GPU_PASS_FULLSCREEN,
-	                       .program = program.id,
-	                       .color = {{.image = out, .load = STILB_GPU_LOAD_DISCARD}},
-	                       .color_count = 1,
-	                       .use_count = (uint8_t)count};
+	stilb_gpu_pass pass = {.color = {{.image = out}}};
 	for (uint32_t u = 0; u < count; u++)
-		pass.uses[u] = (stilb_gpu_use){.resource = reads[u],
-		                               .how = STILB_GPU_USE_SAMPLED,
-		                               .slot = (uint16_t)u,
-		                               .previous = previous && u + 1 == count};
+		pass.uses[u] = (stilb_gpu_use){.resource = reads[u], .previous = previous && u + 1 == count};
+	post_row_fill(&pass, name, program, 1, count);
 	if (tile_x > 0) {
 		chain->push.tile[0] = (int32_t)tile_x;
 		chain->push.tile[1] = (int32_t)tile_y;

@@ -14,20 +14,16 @@ static stilb_result occlusion_pass(stilb_post *post, stilb_gpu_plan *plan, const
                                    uint16_t out, const uint16_t *reads, uint32_t count)
 {
 	stilb_gpu_program program;
-	stilb_result result = post_program_get(post, STILB_POST_BLOOM_HALF, number, &program);
+	stilb_result result = post_program_get(post, number, &program);
 	if (result != STILB_OK)
 		return result;
 	occlusion_push push = {.radius = post->settings.occlusion_radius,
 	                       .strength = post->settings.occlusion,
 	                       .smallest = POST_OCCLUSION_SMALLEST};
-	stilb_gpu_pass pass = {.name = name,
-	                       .kind = STILB_GPU_PASS_FULLSCREEN,
-	                       .program = program.id,
-	                       .color = {{.image = out, .load = STILB_GPU_LOAD_DISCARD}},
-	                       .color_count = 1,
-	                       .use_count = (uint8_t)count};
+	stilb_gpu_pass pass = {.color = {{.image = out}}};
 	for (uint32_t u = 0; u < count; u++)
-		pass.uses[u] = (stilb_gpu_use){.resource = reads[u], .how = STILB_GPU_USE_SAMPLED, .slot = (uint16_t)u};
+		pass.uses[u].resource = reads[u];
+	post_row_fill(&pass, name, program, 1, count);
 	if (number != POST_OCCLUSION_SMOOTH) {
 		memcpy(push.from_clip, post->from_clip.m, sizeof push.from_clip);
 		memcpy(pass.constants, &push, sizeof push);

@@ -1,8 +1,22 @@
-/* The programs of all effects. */
+/* The programs of all effects, and the rows that run them. */
 #include "post/post_internal.h"
 
-stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, post_program number,
-                              stilb_gpu_program *program)
+void post_row_fill(stilb_gpu_pass *row, const char *name, stilb_gpu_program program, uint32_t colors, uint32_t uses)
+{
+	row->name = name;
+	row->kind = STILB_GPU_PASS_FULLSCREEN;
+	row->program = program.id;
+	row->color_count = (uint8_t)colors;
+	for (uint32_t c = 0; c < colors; c++)
+		row->color[c].load = STILB_GPU_LOAD_DISCARD;
+	row->use_count = (uint8_t)uses;
+	for (uint32_t u = 0; u < uses; u++) {
+		row->uses[u].how = STILB_GPU_USE_SAMPLED;
+		row->uses[u].slot = (uint16_t)u;
+	}
+}
+
+stilb_result post_program_get(stilb_post *post, post_program number, stilb_gpu_program *program)
 {
 	static const struct {
 		const char *name;
@@ -25,6 +39,8 @@ stilb_result post_program_get(stilb_post *post, stilb_post_bloom_format format, 
 		[POST_MOTION] = {"motion blur", &post_shader_motion, 4},
 		[POST_TEMPORAL] = {"temporal antialiasing", &post_shader_temporal, 7},
 	};
+	stilb_post_bloom_format format =
+		number <= POST_BLOOM_ADD ? post->settings.bloom_format : STILB_POST_BLOOM_HALF; /* of others the first alone */
 	stilb_gpu_program *made = &post->programs[format][number];
 	stilb_result result = STILB_OK;
 	if (made->id == 0) {

@@ -66,7 +66,7 @@ stilb_result post_temporal_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t 
 	if (velocity == 0 || depth == 0 || id == 0 || extent.format != STILB_GPU_RGBA16_F)
 		return STILB_OK;
 	stilb_gpu_program program;
-	stilb_result result = post_program_get(post, STILB_POST_BLOOM_HALF, POST_TEMPORAL, &program);
+	stilb_result result = post_program_get(post, POST_TEMPORAL, &program);
 	if (result != STILB_OK)
 		return result;
 	uint16_t mean = temporal_image(plan, "antialiased", extent.format, &extent);
@@ -77,13 +77,7 @@ stilb_result post_temporal_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t 
 	for (int c = 0; c < 4; c++)
 		push.ahead_row[c] = post->from_clip.m[4 * c + 3];
 	stilb_gpu_pass pass = {
-		.name = "temporal antialiasing",
-		.kind = STILB_GPU_PASS_FULLSCREEN,
-		.program = program.id,
-		.color = {{.image = mean, .load = STILB_GPU_LOAD_DISCARD},
-	              {.image = models, .load = STILB_GPU_LOAD_DISCARD},
-	              {.image = places, .load = STILB_GPU_LOAD_DISCARD}},
-		.color_count = 3,
+		.color = {{.image = mean}, {.image = models}, {.image = places}},
 		.uses = {{.resource = *light},
 	             {.resource = velocity},
 	             {.resource = depth},
@@ -91,13 +85,9 @@ stilb_result post_temporal_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t 
 	             {.resource = mean, .previous = true},
 	             {.resource = models, .previous = true},
 	             {.resource = places, .previous = true}},
-		.use_count = 7,
 		.constant_bytes = sizeof push,
 	};
-	for (uint16_t u = 0; u < pass.use_count; u++) {
-		pass.uses[u].how = STILB_GPU_USE_SAMPLED;
-		pass.uses[u].slot = u;
-	}
+	post_row_fill(&pass, "temporal antialiasing", program, 3, 7);
 	memcpy(pass.constants, &push, sizeof push);
 	stilb_gpu_plan_pass(plan, &pass);
 	post->forgotten = false;

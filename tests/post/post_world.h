@@ -5,6 +5,7 @@
 
 #include "engine_internal.h"
 #include "gi/gi_render.h"
+#include "post_box.h"
 #include "scene/scene_build.h"
 #include "support/test.h"
 
@@ -40,34 +41,12 @@ static inline world_thing world_put(uint32_t kind, float x, float y, float z, fl
 	return (world_thing){kind, {.scale = {sx, sy, sz}, .translation = {x, y, z}, .rotation = {0, 0, 0, 1}}, paint};
 }
 
-/* A cube from -1 to 1 whose faces have vertices of their own. */
-static inline stilb_scene_mesh world_box(void)
-{
-	static stilb_scene_vertex vertices[24];
-	static uint32_t indices[36];
-	for (uint32_t f = 0; f < 6; f++) {
-		uint32_t axis = f / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-		float side = f % 2 ? 1.0f : -1.0f;
-		for (uint32_t c = 0; c < 4; c++) {
-			stilb_scene_vertex *vertex = &vertices[4 * f + c];
-			vertex->position[axis] = vertex->normal[axis] = side;
-			vertex->position[u] = c % 2 ? side : -side;
-			vertex->position[v] = c / 2 ? 1.0f : -1.0f;
-			vertex->normal[u] = vertex->normal[v] = 0.0f;
-		}
-		static const uint32_t corners[6] = {0, 1, 2, 2, 1, 3};
-		for (uint32_t i = 0; i < 6; i++)
-			indices[6 * f + i] = 4 * f + corners[i];
-	}
-	return (stilb_scene_mesh){.vertices = vertices, .indices = indices, .vertex_count = 24, .index_count = 36};
-}
-
 static inline stilb_scene *world_make(const world_thing *things, uint32_t count, const stilb_scene_camera *camera,
                                       const stilb_scene_surroundings *around)
 {
 	stilb_scene *scene;
 	stilb_scene_build *build = stilb_scene_build_begin();
-	stilb_scene_mesh meshes[2] = {world_box()};
+	stilb_scene_mesh meshes[2] = {post_box()};
 	uint32_t kinds[2];
 	assert_true(count <= MOST);
 	assert_int_equal(stilb_scene_mesh_sphere(5, &meshes[1]), STILB_OK);

@@ -2,6 +2,7 @@
  * and nothing but ambient light is changed. */
 #include "engine_internal.h"
 #include "gi/gi_render.h"
+#include "post_box.h"
 #include "scene/scene_build.h"
 #include "support/test.h"
 
@@ -24,28 +25,6 @@ static float random_of(uint32_t seed, uint32_t use, float low, float high)
 	return low + (high - low) * stilb_random_float(seed, use);
 }
 
-/* A cube from -1 to 1 whose faces have vertices of their own. */
-static stilb_scene_mesh box_make(void)
-{
-	static stilb_scene_vertex vertices[24];
-	static uint32_t indices[36];
-	for (uint32_t f = 0; f < 6; f++) {
-		uint32_t axis = f / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-		float side = f % 2 ? 1.0f : -1.0f;
-		for (uint32_t c = 0; c < 4; c++) {
-			stilb_scene_vertex *vertex = &vertices[4 * f + c];
-			vertex->position[axis] = vertex->normal[axis] = side;
-			vertex->position[u] = c % 2 ? side : -side;
-			vertex->position[v] = c / 2 ? 1.0f : -1.0f;
-			vertex->normal[u] = vertex->normal[v] = 0.0f;
-		}
-		static const uint32_t corners[6] = {0, 1, 2, 2, 1, 3};
-		for (uint32_t i = 0; i < 6; i++)
-			indices[6 * f + i] = 4 * f + corners[i];
-	}
-	return (stilb_scene_mesh){.vertices = vertices, .indices = indices, .vertex_count = 24, .index_count = 36};
-}
-
 /* A scene of boxes (0) and balls (1), grey below white surroundings: of each kind, place, size and turn. All of it, and
  * the camera, is moved by `away`. */
 typedef struct thing {
@@ -60,7 +39,7 @@ static stilb_scene *scene_of(const thing *things, uint32_t count, stilb_scene_ca
 	stilb_scene *scene;
 	stilb_scene_build *build = stilb_scene_build_begin();
 	stilb_scene_build_part part = {.material = stilb_scene_build_material(build, &paint)};
-	stilb_scene_mesh meshes[2] = {box_make()};
+	stilb_scene_mesh meshes[2] = {post_box()};
 	assert_int_equal(stilb_scene_mesh_sphere(4, &meshes[1]), STILB_OK);
 	uint32_t kinds[2];
 	for (uint32_t k = 0; k < 2; k++)
