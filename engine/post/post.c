@@ -49,12 +49,6 @@ stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settin
 	return filled;
 }
 
-uint16_t post_velocity_depth(const stilb_gpu_plan *plan)
-{
-	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_VELOCITY_DEPTH);
-	return depth != 0 ? depth : stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH);
-}
-
 /* ---- the chain --------------------------------------------------------------------------------------------------- */
 
 /* True if the CPU's threads compute what becomes of this image. */

@@ -1,6 +1,14 @@
 /* The programs of all effects, and the rows that run them. */
 #include "post/post_internal.h"
 
+#include "render/device/render_images.h"
+
+uint16_t post_velocity_depth(const stilb_gpu_plan *plan)
+{
+	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_VELOCITY_DEPTH);
+	return depth != 0 ? depth : stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH);
+}
+
 void post_row_fill(stilb_gpu_pass *row, const char *name, stilb_gpu_program program, uint32_t colors, uint32_t uses)
 {
 	row->name = name;

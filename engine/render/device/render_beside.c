@@ -50,8 +50,7 @@ uint32_t render_beside_bits(const render_device *device, const stilb_render_view
 	return seen | around;
 }
 
-/* The place of an image among what the choice's programs draw into; -1: they do not draw it. */
-static int beside_place(const render_formula_programs *choice, uint32_t image)
+int render_beside_place(const render_formula_programs *choice, render_beside image)
 {
 	uint32_t lights = choice->formulas[RENDER_FORMULA_LIGHTS];
 	if (!(choice->formulas[RENDER_FORMULA_BESIDE] & images[image].bit))
@@ -65,7 +64,7 @@ uint32_t render_beside_formats(const render_formula_programs *choice, stilb_gpu_
                                uint32_t count)
 {
 	for (uint32_t i = 0; i < RENDER_BESIDE_IMAGES; i++) {
-		int place = beside_place(choice, i);
+		int place = render_beside_place(choice, (render_beside)i);
 		while ((int)count <= place)
 			formats[count++] = STILB_GPU_NONE;
 		if (place >= 0)
@@ -74,24 +73,12 @@ uint32_t render_beside_formats(const render_formula_programs *choice, stilb_gpu_
 	return count;
 }
 
-uint16_t render_beside_image(render_device *device, render_frame_target *target, render_beside image)
+const char *render_beside_name(render_beside image)
 {
-	if (target->beside[image] == 0)
-		target->beside[image] = render_target_image(device, target, images[image].name, images[image].format, true);
-	return target->beside[image];
+	return images[image].name;
 }
 
-void render_beside_attach(render_device *device, const render_formula_programs *choice, render_frame_target *target,
-                          stilb_gpu_pass *row)
+stilb_gpu_format render_beside_format(render_beside image)
 {
-	for (uint32_t i = 0; i < RENDER_BESIDE_IMAGES; i++) {
-		int place = beside_place(choice, i);
-		if (place < 0)
-			continue;
-		while (row->color_count <= place)
-			row->color[row->color_count++] = (stilb_gpu_attachment){.load = STILB_GPU_LOAD_NONE};
-		stilb_gpu_load load = target->beside[i] != 0 ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR; /* to 0 */
-		row->color[place] =
-			(stilb_gpu_attachment){.image = render_beside_image(device, target, (render_beside)i), .load = load};
-	}
+	return images[image].format;
 }

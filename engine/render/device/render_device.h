@@ -633,11 +633,10 @@ uint32_t render_beside_bits(const render_device *device, const stilb_render_view
 /* Adds the formats of what the choice's programs draw beside to those of `count` images; returns how many there are. */
 uint32_t render_beside_formats(const render_formula_programs *choice, stilb_gpu_format formats[STILB_GPU_MAX_COLORS],
                                uint32_t count);
-/* The target's image, made when it is first asked for. */
-uint16_t render_beside_image(render_device *device, render_frame_target *target, render_beside image);
-/* Adds to a row what the choice's programs draw beside. */
-void render_beside_attach(render_device *device, const render_formula_programs *choice, render_frame_target *target,
-                          stilb_gpu_pass *row);
+/* The place of an image among what the choice's programs draw into; -1: they do not draw it. And what it is. */
+int render_beside_place(const render_formula_programs *choice, render_beside image);
+const char *render_beside_name(render_beside image);
+stilb_gpu_format render_beside_format(render_beside image);
 
 /* ---- render_around.c: the surroundings' light apart from all other ----------------------------------------------- */
 
@@ -662,6 +661,11 @@ uint16_t render_target_image(render_device *device, const render_frame_target *t
 /* Likewise, of so many layers; of this frame alone. */
 uint16_t render_target_layers(render_device *device, const render_frame_target *target, const char *what,
                               stilb_gpu_format format, uint16_t layers);
+/* The target's image of what is drawn beside the picture (render_beside.c), made when it is first asked for. */
+uint16_t render_target_beside(render_device *device, render_frame_target *target, render_beside image);
+/* Adds to a row what the choice's programs draw beside. */
+void render_target_attach(render_device *device, const render_formula_programs *choice, render_frame_target *target,
+                          stilb_gpu_pass *row);
 /* The main images; NULL: the frame has none. */
 render_frame_target *render_target_main(render_device *device);
 /* Adds the passes that make light of samples. */

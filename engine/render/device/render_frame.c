@@ -600,7 +600,7 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 			continue;
 		stilb_gpu_pass row = frame_row(device, stream, list, "");
 		frame_attach(stream, target, backdrop, &row);
-		render_beside_attach(device, choice, target, &row);
+		render_target_attach(device, choice, target, &row);
 		result = frame_images(device, stream, target, choice, &row);
 		if (through && result == STILB_OK)
 			result = render_through_use(device, target, row.use_count, &row.uses[row.use_count]);
@@ -630,7 +630,7 @@ static stilb_result frame_velocity(render_device *device, const render_stream *s
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " velocity");
 	row.depth = render_velocity_depth(device, stream->view, target);
-	render_beside_attach(device, choice, target, &row);
+	render_target_attach(device, choice, target, &row);
 	row_constants(&row, push, sizeof *push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	return STILB_OK;
@@ -756,7 +756,7 @@ static stilb_result frame_deferred(render_device *device, const render_stream *s
 	stilb_gpu_pass row = frame_row(device, stream, list, " surfaces");
 	frame_attach(stream, target, backdrop, &row);
 	render_deferred_attach(device, stream->view, target, &row);
-	render_beside_attach(device, surfaces, target, &row);
+	render_target_attach(device, surfaces, target, &row);
 	result = frame_images(device, stream, target, surfaces, &row);
 	if (result != STILB_OK)
 		return result;
@@ -817,7 +817,7 @@ static stilb_result frame_laid(render_device *device, const render_stream *strea
 	frame_attach(stream, target, backdrop, &row);
 	row.depth.load = STILB_GPU_LOAD_KEEP;
 	row.depth.read_only = true;
-	render_beside_attach(device, seen, target, &row);
+	render_target_attach(device, seen, target, &row);
 	result = frame_images(device, stream, target, seen, &row);
 	if (result != STILB_OK)
 		return result;
@@ -870,7 +870,7 @@ static stilb_result frame_around(render_device *device, const render_stream *str
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " ambient");
 	row.depth = (stilb_gpu_attachment){.image = target->depth, .load = STILB_GPU_LOAD_KEEP, .read_only = true};
-	render_beside_attach(device, around, target, &row);
+	render_target_attach(device, around, target, &row);
 	result = frame_images(device, stream, target, around, &row);
 	row_constants(&row, push, sizeof *push);
 	if (result == STILB_OK)

@@ -144,6 +144,29 @@ uint16_t render_target_layers(render_device *device, const render_frame_target *
 	return target_image_of(device, target, what, format, layers, false);
 }
 
+uint16_t render_target_beside(render_device *device, render_frame_target *target, render_beside image)
+{
+	if (target->beside[image] == 0)
+		target->beside[image] =
+			render_target_image(device, target, render_beside_name(image), render_beside_format(image), true);
+	return target->beside[image];
+}
+
+void render_target_attach(render_device *device, const render_formula_programs *choice, render_frame_target *target,
+                          stilb_gpu_pass *row)
+{
+	for (uint32_t i = 0; i < RENDER_BESIDE_IMAGES; i++) {
+		int place = render_beside_place(choice, (render_beside)i);
+		if (place < 0)
+			continue;
+		while (row->color_count <= place)
+			row->color[row->color_count++] = (stilb_gpu_attachment){.load = STILB_GPU_LOAD_NONE};
+		stilb_gpu_load load = target->beside[i] != 0 ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR; /* to 0 */
+		row->color[place] =
+			(stilb_gpu_attachment){.image = render_target_beside(device, target, (render_beside)i), .load = load};
+	}
+}
+
 render_frame_target *render_target_main(render_device *device)
 {
 	for (uint32_t t = 0; t < device->frame.target_count; t++)

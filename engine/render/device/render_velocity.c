@@ -30,7 +30,7 @@ stilb_result render_velocity_begin(render_device *device, const render_stream *s
 		.kind = STILB_GPU_PASS_FULLSCREEN,
 		.program = device->programs.velocity_far.id,
 		.color_count = 1,
-		.color = {{.image = render_beside_image(device, target, RENDER_BESIDE_IMAGE_VELOCITY),
+		.color = {{.image = render_target_beside(device, target, RENDER_BESIDE_IMAGE_VELOCITY),
 	               .load = STILB_GPU_LOAD_DISCARD}},
 		.constant_bytes = sizeof push,
 	};
