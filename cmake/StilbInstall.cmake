@@ -77,6 +77,7 @@ file(GLOB shaders CONFIGURE_DEPENDS engine/render/shaders/*.glsl engine/render/s
 file(GLOB formulas CONFIGURE_DEPENDS engine/shading/*.h)
 install(FILES engine/render/shaders/maps.frag ${shaders} DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/render/shaders)
 install(FILES engine/render/shaders/deferred/lists.glsl DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/render/shaders/deferred)
+install(FILES engine/render/shaders/hdr/hdr.glsl DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/render/shaders/hdr)
 install(FILES engine/render/shaders/shadow/shadow.glsl DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/render/shaders/shadow)
 install(FILES engine/render/shaders/velocity/beside.glsl DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/render/shaders/velocity)
 install(FILES ${formulas} DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/shading)

@@ -198,7 +198,7 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	             (unsigned)desc->light_lists < STILB_RENDER_LIGHT_LISTS_WAYS);
 	STILB_ASSERT(desc->light_tolerance >= 0.0f && desc->light_tolerance <= 1.0f);
 	STILB_ASSERT(desc->light_fade >= 0.0f && isfinite(desc->light_fade));
-	STILB_ASSERT((unsigned)desc->ambient < STILB_RENDER_AMBIENT_KINDS);
+	STILB_ASSERT((unsigned)desc->ambient < STILB_RENDER_AMBIENT_KINDS && (unsigned)desc->hdr < STILB_RENDER_HDRS);
 	STILB_ASSERT(stilb_post_settings_are_valid(&desc->post));
 	shadows_assert(&desc->shadows);
 	STILB_ASSERT(desc->gamepad != STILB_ENGINE_GAMEPAD_REPLAY || desc->gamepad_recording);
@@ -306,6 +306,8 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	engine->cull = cull;
 	engine->scene = scene;
 	stilb_post_forget(engine->post);
+	if (engine->exposure_based)
+		engine->exposure_base = scene ? scene->camera.exposure : 0.0f;
 	engine->peak.known = false;
 	engine->playing.seconds = engine->seconds;
 	engine->playing.step = 0.0;
@@ -589,6 +591,8 @@ void stilb_engine_set_post(stilb_engine *engine, const stilb_post_settings *sett
 		          stilb_render_samples(engine->render));
 	stilb_post_set(engine->post, settings);
 	engine->desc.post = *settings;
+	engine->exposure_base = 0.0f;
+	engine->exposure_based = false;
 }
 
 stilb_result stilb_engine_set_grade(stilb_engine *engine, const stilb_post_table *table, const stilb_post_area *areas,

@@ -278,6 +278,7 @@ typedef struct stilb_engine_desc {
 	stilb_render_ambient ambient;         /* what lights in place of the surroundings, at first */
 	stilb_engine_shadows shadows;         /* {0}: none, as by default; `stilb demo` and `stilb view` ask for MAP */
 	stilb_post_settings post;             /* effects on the light of frames, at first; {0}: none */
+	stilb_render_hdr hdr;                 /* what passes keep light in, as far as frames allow it (stilb_render_hdr) */
 	stilb_render_show show;               /* what pictures show at first */
 	bool velocity; /* frames have the image "velocity" (gpu_plan.h finds it): where each pixel was in the frame before.
 	                  They also have it while they show it (stilb_engine_show_image) */
@@ -459,6 +460,7 @@ typedef struct stilb_engine_report {
 	               only after a second in vain; a display that has gone does not come back in this process */
 	bool drawn; /* false: the window is minimised, and only input was handled */
 	bool ui_keys, ui_mouse; /* the engine's panels took the keys, the mouse: they are for nobody else */
+	bool saves_look;        /* the user asks for the effects in a file (stilb_post_preset_save); with desc.saves */
 } stilb_engine_report;
 
 /* How fast the clips of the scene play (scene_play.h), in a window and headless: their seconds in one of the engine's.
@@ -512,6 +514,31 @@ stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
  * of this name, which the caller has created so that nobody else takes it (O_EXCL); it is removed if no picture
  * replaces it. Fails as stilb_render_read_image; STILB_ERROR_MEMORY. */
 stilb_result stilb_engine_picture(stilb_engine *engine, const char *path, bool created);
+
+/* A picture of any size, of the moment that the last frame showed. */
+typedef struct stilb_engine_photo {
+	const char *path;       /* .png, or .exr and .hdr, radiance as of stilb_engine_screenshot */
+	uint32_t width, height; /* pixels, 1..STILB_ENGINE_PHOTO_SIDE */
+	/* The side of tiles without what is drawn around them, pixels, a multiple of STILB_ENGINE_PHOTO_STEP up to 8192; 0:
+	 * 1024. */
+	uint32_t tile;
+} stilb_engine_photo;
+
+#define STILB_ENGINE_PHOTO_SIDE 65536u
+#define STILB_ENGINE_PHOTO_STEP 64u
+
+/* What keeps a photo from being taken by tiles, as a part of a sentence: an effect that looks at all of the picture.
+ * NULL: nothing does. */
+const char *stilb_engine_photo_whole(const stilb_engine *engine);
+
+/* Draws the scene's own camera again, without windows and other cameras over it, and writes the picture: by tiles, each
+ * with what lies around it as far as effects reach, so that the pixels are those of a picture in one piece (engine
+ * photo.c tells where they round otherwise); with stilb_engine_photo_whole in one piece of up to 16384 pixels a side.
+ * Time stands still, and the exposure stays. Temporal antialiasing takes 64 frames a tile; nothing is blurred by its
+ * movement. STILB_ERROR_ARGUMENT: no frame of a scene has been drawn, the program's picture is shown
+ * (stilb_engine_show), or the picture is larger than its one piece, or than 4 GiB. STILB_ERROR_MEMORY,
+ * STILB_ERROR_DEVICE, STILB_ERROR_FILE: the next frame is as if there had been no photo. STILB_ERROR_DEVICE_LOST. */
+stilb_result stilb_engine_photo_take(stilb_engine *engine, const stilb_engine_photo *photo);
 
 /* Waits until all pictures of stilb_engine_picture are written and desc.pictured has been told of them; so does
  * stilb_engine_destroy. */

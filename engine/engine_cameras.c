@@ -127,6 +127,9 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 		view->light_peak = camera_peak(engine, &view->shading);
 	const uint16_t *place = target->place; /* it is seen in these proportions, whatever the image's are */
 	float aspect = place[3] > 0 ? (float)place[2] / (float)place[3] : (float)target->width / (float)target->height;
+	const engine_part *part = &engine->part;
+	if (number == 0 && part->width > 0)
+		aspect = (float)part->width / (float)part->height;
 	view->view_projection = stilb_scene_camera_matrix(camera, aspect);
 	memcpy(view->camera_position, camera->position, sizeof view->camera_position);
 	stilb_scene_surface_channel channel;
@@ -135,7 +138,7 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 		view->ambient_apart = engine->desc.ambient_apart || engine->shows_ambient;
 	}
 	if (!stilb_render_show_channel(view->show, &channel)) {
-		view->exposure = camera->exposure + stilb_post_exposure(engine->post);
+		view->exposure = camera->exposure - engine->exposure_base + stilb_post_exposure(engine->post);
 		view->tone = camera->tone;
 	}
 	if (view->show == STILB_RENDER_SHOW_CASCADES || view->show == STILB_RENDER_SHOW_ACNE)
@@ -203,6 +206,22 @@ void engine_cameras_frame(stilb_engine *engine)
 	if (engine->views[0].show == STILB_RENDER_SHOW_ERROR)
 		cameras_reference(engine);
 	engine->pass_count = engine->view_count;
+}
+
+void engine_cameras_part(stilb_engine *engine)
+{
+	const engine_part *part = &engine->part;
+	uint32_t size[2];
+	stilb_render_size(engine->render, &size[0], &size[1]);
+	stilb_mat4 *m = &engine->views[0].view_projection;
+	const float whole[2] = {(float)part->width, (float)part->height};
+	const float middle[2] = {(float)part->left + 0.5f * (float)size[0], (float)part->top + 0.5f * (float)size[1]};
+	for (int r = 0; r < 2; r++) {
+		float scale = whole[r] / (float)size[r], shift = (whole[r] - 2.0f * middle[r]) / (float)size[r];
+		for (int c = 0; c < 4; c++)
+			m->m[4 * c + r] = scale * m->m[4 * c + r] + shift * m->m[4 * c + 3];
+	}
+	engine->lasts[0].view_projection = *m;
 }
 
 void engine_cameras_jitter(stilb_engine *engine)

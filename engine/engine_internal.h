@@ -49,6 +49,7 @@ typedef struct engine_lights {
 /* The effects' window. */
 typedef struct engine_effects {
 	bool open, without, changed; /* without: frames have none, so that both can be compared; changed: by the user */
+	bool saves, save;            /* there is a button that saves them; it was pressed */
 	stilb_ui_rect place;
 	stilb_post_settings chosen;     /* by the user, if changed */
 	stilb_post_settings kept, last; /* what the window shows; amounts of effects that are off, when they were on */
@@ -211,6 +212,12 @@ typedef struct engine_last {
 	stilb_mat4 view_projection;
 } engine_last;
 
+/* The part of a larger picture that frames show, pixels. {0}: all of their own. */
+typedef struct engine_part {
+	uint32_t width, height; /* of the larger picture */
+	uint32_t left, top;     /* of the part, which is as large as frames are */
+} engine_part;
+
 /* The shadow maps of a frame; {0} at first. */
 typedef struct engine_shadows {
 	stilb_sphere bounds; /* of what is drawn, and some room */
@@ -271,7 +278,12 @@ struct stilb_engine {
 	char target_names[ENGINE_MAX_VIEWS][STILB_RENDER_TARGET_NAME + 1];
 	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* the models that each view sees in this frame */
 	engine_last lasts[ENGINE_MAX_VIEWS];          /* by view */
-	bool holds; /* nothing has moved since clips were paused: motion blur shows what moved before */
+	engine_part part;                             /* while a photo is taken */
+	/* Stops of the scene's camera that do not count while the exposure adapts, since the user has switched that on:
+	 * they may have been metered. */
+	float exposure_base;
+	bool exposure_based; /* the user has */
+	bool holds;          /* nothing has moved since clips were paused: motion blur shows what moved before */
 	/* The image that the program shows is of velocities, or in the same passes; of surfaces; of ambient_apart. */
 	bool shows_velocity, shows_surfaces, shows_ambient;
 	uint32_t view_count;
@@ -341,6 +353,14 @@ void engine_cameras_frame(stilb_engine *engine);
 
 /* Gives the scene's own view the jitter of temporal antialiasing, if that is on. */
 void engine_cameras_jitter(stilb_engine *engine);
+
+/* Turns the scene's own view into that of engine->part, and takes it for one that has not moved. Shadow maps are those
+ * of the larger picture. */
+void engine_cameras_part(stilb_engine *engine);
+
+/* Draws the moment of the last frame again, without windows over it, for nobody: frame.c. hidden: that frame was
+ * without the scene, so that it left no shadow maps. */
+stilb_result engine_frame_again(stilb_engine *engine, bool hidden);
 
 /* The device has got the frame. */
 void engine_cameras_drawn(stilb_engine *engine);
@@ -643,6 +663,8 @@ void engine_clips_draw(stilb_engine *engine, stilb_ui *ui);
 /* windows/engine_effects.c: the effects' window. */
 /* settings: those of frames. What the user has chosen the next frame takes. */
 void engine_effects_draw(engine_effects *effects, stilb_ui *ui, const stilb_post_settings *settings);
+/* Takes what the user has changed. */
+void engine_effects_choose(stilb_engine *engine);
 
 /* windows/engine_lights.c: the lights' window. */
 void engine_lights_draw(stilb_engine *engine, stilb_ui *ui);

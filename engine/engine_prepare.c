@@ -166,11 +166,12 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
 		.impostors = scene->impostor_count > 0,
-		.exposure = scene->camera.exposure + stilb_post_exposure(engine->post),
+		.exposure = scene->camera.exposure - engine->exposure_base + stilb_post_exposure(engine->post),
 		.time = (float)engine->seconds,
 		.tone = scene->camera.tone,
 		.grade = stilb_post_grade(engine->post),
 		.dither = dithers[engine->desc.post.dither],
+		.hdr = engine->desc.hdr,
 		.detail = engine->desc.detail,
 		.show = engine->desc.show,
 	};
@@ -196,6 +197,7 @@ void engine_reference_view(stilb_render_view *view)
 	view->light_tolerance = 0.0f;
 	view->ambient_apart = view->mirrors = view->surfaces = view->ids = view->shadow_reading.buffer = false;
 	view->last = NULL;
+	view->hdr = STILB_RENDER_HDR_HALF;
 	view->show = STILB_RENDER_SHOW_SHADED;
 }
 

@@ -443,7 +443,7 @@ stilb_result engine_shadows_frame(stilb_engine *engine)
 		return STILB_OK;
 	shadows->valid = valid;
 	stilb_shadow_view view = {.view_projection = seen->view_projection,
-	                          .height = engine->targets[0].height,
+	                          .height = engine->part.height > 0 ? engine->part.height : engine->targets[0].height,
 	                          .bounds = shadows->bounds,
 	                          .others = engine->camera_count > 0};
 	memcpy(view.camera_position, seen->camera_position, sizeof view.camera_position);

@@ -288,23 +288,31 @@ static stilb_result present(stilb_engine *engine)
 	return result;
 }
 
+stilb_result engine_frame_again(stilb_engine *engine, bool hidden)
+{
+	engine->picture.hides_scene = false;
+	stilb_result result = frame_begin(engine);
+	engine_cameras_frame(engine);
+	engine->shadows.valid &= !hidden;
+	if (result == STILB_OK && engine->part.width > 0)
+		result = update_render(engine); /* what moved in the last frame stands still */
+	if (result == STILB_OK)
+		result = engine_shadows_frame(engine);
+	if (engine->part.width > 0)
+		engine_cameras_part(engine);
+	if (result == STILB_OK)
+		result = see_views(engine);
+	if (result == STILB_OK)
+		result = record(engine);
+	return result == STILB_OK ? replay(engine) : result;
+}
+
 /* Draws a frame of the still scene without windows over it, which is shown to nobody, to know what it looks like. */
 static stilb_result frame_keep_scene(stilb_engine *engine)
 {
 	PROFILE("keep the scene");
 	stilb_image image = {0};
-	engine->picture.hides_scene = false;
-	stilb_result result = frame_begin(engine);
-	engine_cameras_frame(engine); /* with shadows, which hidden scenes have not */
-	engine->shadows.valid = false;
-	if (result == STILB_OK)
-		result = engine_shadows_frame(engine);
-	if (result == STILB_OK)
-		result = see_views(engine);
-	if (result == STILB_OK)
-		result = record(engine);
-	if (result == STILB_OK)
-		result = replay(engine);
+	stilb_result result = engine_frame_again(engine, true);
 	if (result == STILB_OK)
 		result = stilb_render_read_image(engine->render, &image);
 	if (result == STILB_OK)
@@ -390,10 +398,9 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 	STILB_ASSERT(report);
 	engine_pictures_tell(engine);
 	engine_watch_tell(engine);
-	if (engine->overlay.effects.changed)
-		stilb_engine_set_post(engine, &engine->overlay.effects.chosen);
-	engine->overlay.effects.changed = false;
-	engine->report = (stilb_engine_report){.frame = engine->frame};
+	engine_effects_choose(engine);
+	engine->report = (stilb_engine_report){.frame = engine->frame, .saves_look = engine->overlay.effects.save};
+	engine->overlay.effects.save = false;
 	stilb_result result = frame_window(engine, &engine->report);
 	if (result == STILB_OK && !engine->report.drawn)
 		frame_input(engine, &engine->report);

@@ -197,6 +197,7 @@ typedef enum stilb_gpu_blend {
 	STILB_GPU_BLEND_NONE,
 	STILB_GPU_BLEND_PREMULTIPLIED, /* source + (1 - alpha) * target */
 	STILB_GPU_BLEND_ADD,
+	STILB_GPU_BLEND_MULTIPLY, /* source * target; alpha stays the target's */
 } stilb_gpu_blend;
 
 typedef enum stilb_gpu_compare {

@@ -260,8 +260,8 @@ stilb_result gpu_check_program(const stilb_gpu *gpu, const stilb_gpu_program_des
 		return FAIL("program '%s': %u vertex inputs, %u specialization constants: there are up to %u and %u", name,
 		            desc->input_count, desc->constant_count, STILB_GPU_MAX_VERTEX_INPUTS,
 		            STILB_GPU_MAX_SPECIALIZATIONS);
-	if (desc->depth > STILB_GPU_COMPARE_EQUAL || desc->blend > STILB_GPU_BLEND_ADD)
-		return FAIL("program '%s': depth %u, blend %u: there are 0..3 and 0..2", name, desc->depth, desc->blend);
+	if (desc->depth > STILB_GPU_COMPARE_EQUAL || desc->blend > STILB_GPU_BLEND_MULTIPLY)
+		return FAIL("program '%s': depth %u, blend %u: there are 0..3 and 0..3", name, desc->depth, desc->blend);
 	if (desc->stencil > STILB_GPU_STENCIL_COUNTED ||
 	    (desc->stencil == STILB_GPU_STENCIL_COUNT && (desc->depth == STILB_GPU_COMPARE_NONE || desc->depth_write)))
 		return FAIL("program '%s': stencil %u: there are 0..2, of which 1 has a depth test and writes no depth", name,

@@ -76,9 +76,9 @@ static stilb_result post_add_light(void *user, stilb_gpu_plan *plan, uint16_t *l
 	bool lens = settings->dof != STILB_POST_DOF_OFF && settings->aperture > 0.0f;
 	if (result == STILB_OK && lens && post->sees && post->shaded)
 		result = post_lens_add(post, plan, light);
-	if (result == STILB_OK && settings->motion_blur > 0.0f && post->follows)
+	if (result == STILB_OK && settings->motion_blur > 0.0f && post->follows && post->whole == 0)
 		result = post_motion_add(post, plan, light);
-	if (result == STILB_OK && settings->exposure_adapts && post->shows_light)
+	if (result == STILB_OK && settings->exposure_adapts && post->shows_light && post->whole == 0)
 		result = post_exposure_add(post, plan, *light);
 	return result == STILB_OK && settings->bloom > 0.0f && post->shaded ? post_bloom_choose(post, plan, light) : result;
 }
@@ -184,6 +184,13 @@ void stilb_post_hold(stilb_post *post, bool held)
 {
 	STILB_ASSERT(post);
 	post->held = held;
+}
+
+void stilb_post_set_whole(stilb_post *post, uint32_t height)
+{
+	STILB_ASSERT(post);
+	post->whole = height;
+	post->forgotten = true;
 }
 
 void stilb_post_see(stilb_post *post, const stilb_render_view *view)

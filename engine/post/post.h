@@ -235,6 +235,11 @@ void stilb_post_jitter(uint64_t frame, float pixels[2]);
  * frame before. */
 void stilb_post_hold(stilb_post *post, bool held);
 
+/* The height of the picture of which frames from the next one on show a part, pixels; 0, as at first: they show all of
+ * it. By it effects measure what is a share of the picture. Such frames have no history of those before, blur nothing
+ * by its movement, and count nothing for the exposure. */
+void stilb_post_set_whole(stilb_post *post, uint32_t height);
+
 /* What the next replay's view into the main images sees: read are view_projection, last, camera_position, exposure,
  * show. At first a view of zeros, by which nothing is occluded or blurred. */
 void stilb_post_see(stilb_post *post, const stilb_render_view *view);

@@ -120,6 +120,7 @@ struct stilb_post {
 	stilb_mat4 to_last; /* from clip space to that of the frame before */
 	bool held;          /* motion blur goes on with the velocities of the frame before */
 	bool forgotten;     /* the next frame has no history */
+	uint32_t whole;     /* the height of the picture of which frames show a part; 0: they show all of it */
 	stilb_mat4 to_clip; /* its inverse */
 	uint16_t ambient;   /* of this frame, with occlusion */
 	stilb_gpu_sampler linear;

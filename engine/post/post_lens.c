@@ -141,7 +141,7 @@ static bool lens_optics(const stilb_post *post, uint32_t height, lens_push *push
 	float scale = post->settings.aperture * pixels;
 	push->at_infinity = scale * (1.0f / post->settings.focus - m[15] / ahead);
 	push->slope = -scale * m[11] / ahead;
-	push->largest = fminf(LENS_LARGEST * (float)height, LENS_MOST);
+	push->largest = fminf(LENS_LARGEST * (float)(post->whole > 0 ? post->whole : height), LENS_MOST);
 	return isfinite(push->at_infinity) && isfinite(push->slope) && push->largest >= LENS_LEAST;
 }
 

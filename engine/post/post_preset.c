@@ -3,6 +3,7 @@
 
 #include "base/base_contract.h"
 #include "base/base_file.h"
+#include "base/base_json.h"
 #include "scene/open/scene_json.h"
 #include "scene/scene_look.h"
 #include "shading/shade_tonemap.h"
@@ -69,8 +70,8 @@ static void preset_numbers(preset_reader *r, uint32_t object, uint32_t key, floa
 		                 (double)high);
 }
 
-/* The table of a file beside the preset. */
-static stilb_post_table *preset_table(preset_reader *r, uint32_t key)
+/* The table of a file beside the preset; *name: of the file, to be freed. */
+static stilb_post_table *preset_table(preset_reader *r, uint32_t key, char **name)
 {
 	char file[PATH_MAX], path[PATH_MAX];
 	const char *slash = strrchr(r->path, '/');
@@ -83,6 +84,9 @@ static stilb_post_table *preset_table(preset_reader *r, uint32_t key)
 		scene_json_blame(&r->json, key + 1, "the name of the table is too long");
 	else
 		r->result = stilb_post_table_open(path, &table);
+	*name = table ? strdup(path) : NULL;
+	if (table && !*name)
+		r->result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the name of a table");
 	return table;
 }
 
@@ -205,7 +209,7 @@ static void preset_area(preset_reader *r, uint32_t object)
 			area->exposure = preset_number(r, key, -PRESET_STOPS, PRESET_STOPS);
 			break;
 		case AREA_GRADE:
-			area->table = p->area_grades[number] = preset_table(r, key);
+			area->table = p->area_grades[number] = preset_table(r, key, &p->area_files[number]);
 			break;
 		default:
 			break;
@@ -278,7 +282,7 @@ static void preset_read(preset_reader *r)
 		else if (which == PRESET_EXPOSURE)
 			preset_exposure(r, key);
 		else if (which == PRESET_GRADE)
-			p->grade = preset_table(r, key);
+			p->grade = preset_table(r, key, &p->grade_file);
 		else if (which == PRESET_AREAS)
 			preset_areas(r, root);
 		else if (which == PRESET_TONE)
@@ -356,12 +360,105 @@ stilb_result stilb_post_preset_open(const char *path, stilb_post_preset **preset
 	return STILB_OK;
 }
 
+/* ---- saving ------------------------------------------------------------------------------------------------------ */
+
+static void preset_put_numbers(stilb_json *json, const char *key, const float *numbers, uint32_t count)
+{
+	stilb_json_begin(json, key, '[');
+	for (uint32_t i = 0; i < count; i++)
+		stilb_json_float(json, NULL, numbers[i]);
+	stilb_json_end(json, ']');
+}
+
+/* A setting, unless it is as in {0}. */
+static void preset_put_setting(stilb_json *json, const stilb_post_settings *settings, const preset_field *field)
+{
+	const char *at = (const char *)settings + field->at;
+	float pair[2] = {0};
+	uint32_t word = 0;
+	memcpy(pair, at, field->kind == PRESET_PAIR ? sizeof pair : sizeof *pair);
+	memcpy(&word, at, sizeof word);
+	if (word == 0 && pair[1] == 0.0f)
+		return;
+	if (field->kind == PRESET_CHOICE)
+		stilb_json_string(json, field->key, field->words[word]);
+	else if (field->kind == PRESET_COUNT)
+		stilb_json_int(json, field->key, word);
+	else if (field->kind == PRESET_PAIR)
+		preset_put_numbers(json, field->key, pair, 2);
+	else
+		stilb_json_float(json, field->key, pair[0]);
+}
+
+/* The name that a preset of this path has for a table's file. False: it has none, or there is no such file. */
+static bool preset_put_table(stilb_json *json, const char *path, const char *file)
+{
+	char folder[PATH_MAX], whole[PATH_MAX], beside[PATH_MAX];
+	const char *slash = strrchr(path, '/');
+	snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+	if (!file || !realpath(file, whole) || !realpath(folder, beside))
+		return false;
+	size_t length = strlen(beside);
+	bool here = strncmp(whole, beside, length) == 0 && whole[length] == '/' && !strchr(whole + length + 1, '/');
+	stilb_json_string(json, "grade", here ? whole + length + 1 : whole);
+	return true;
+}
+
+static bool preset_put_areas(stilb_json *json, const stilb_post_preset *preset, const char *path)
+{
+	bool named = true;
+	stilb_json_begin(json, "areas", '[');
+	for (uint32_t a = 0; a < preset->area_count; a++) {
+		const stilb_post_area *area = &preset->areas[a];
+		stilb_json_begin(json, NULL, '{');
+		preset_put_numbers(json, "low", area->low, 3);
+		preset_put_numbers(json, "high", area->high, 3);
+		stilb_json_float(json, "blend", area->blend);
+		if (area->exposure != 0.0f)
+			stilb_json_float(json, "exposure", area->exposure);
+		if (area->table)
+			named &= preset_put_table(json, path, preset->area_files[a]);
+		stilb_json_end(json, '}');
+	}
+	stilb_json_end(json, ']');
+	return named;
+}
+
+stilb_result stilb_post_preset_save(const stilb_post_preset *preset, const char *path)
+{
+	STILB_ASSERT(preset && path && stilb_post_settings_are_valid(&preset->settings));
+	STILB_ASSERT(preset->area_count <= STILB_POST_MAX_AREAS);
+	stilb_json json = {0};
+	bool named = true;
+	stilb_json_begin(&json, NULL, '{');
+	if (preset->settings.exposure_adapts)
+		stilb_json_string(&json, "exposure", "adapt");
+	else if (preset->has_exposure)
+		stilb_json_float(&json, "exposure", preset->exposure);
+	for (uint32_t f = 0; f < PRESET_FIELDS; f++)
+		preset_put_setting(&json, &preset->settings, &preset_fields[f]);
+	if (preset->has_tone)
+		stilb_json_string(&json, "tone", stilb_scene_tone_names[preset->tone]);
+	if (preset->grade)
+		named = preset_put_table(&json, path, preset->grade_file);
+	if (preset->area_count > 0)
+		named &= preset_put_areas(&json, preset, path);
+	stilb_json_end(&json, '}');
+	if (named)
+		return stilb_json_save(&json, path);
+	stilb_json_finish(&json);
+	return stilb_fail(STILB_ERROR_ARGUMENT, "'%s': a table of colours has no file that it could be named by", path);
+}
+
 void stilb_post_preset_destroy(stilb_post_preset *preset)
 {
 	if (!preset)
 		return;
 	stilb_post_table_destroy(preset->grade);
-	for (uint32_t a = 0; a < STILB_POST_MAX_AREAS; a++)
+	free(preset->grade_file);
+	for (uint32_t a = 0; a < STILB_POST_MAX_AREAS; a++) {
 		stilb_post_table_destroy(preset->area_grades[a]);
+		free(preset->area_files[a]);
+	}
 	free(preset);
 }

@@ -36,6 +36,7 @@ const char *const stilb_render_lighting_words[] = {STILB_RENDER_LIGHTINGS(RENDER
 const char *const stilb_render_light_lists_names[] = {STILB_RENDER_LIGHT_LISTS(RENDER_NAME) NULL};
 const char *const stilb_render_coverage_names[] = {STILB_RENDER_COVERAGES(RENDER_NAME) NULL};
 const char *const stilb_render_gbuffer_names[] = {STILB_RENDER_GBUFFERS(RENDER_NAME) NULL};
+const char *const stilb_render_hdr_names[] = {STILB_RENDER_HDR_KINDS(RENDER_NAME) NULL};
 const char *const stilb_render_ambient_names[] = {STILB_RENDER_AMBIENTS(RENDER_NAME_TEXT) NULL};
 const char *const stilb_render_ambient_words[] = {STILB_RENDER_AMBIENTS(RENDER_WORDS) NULL};
 #undef RENDER_NAME

@@ -687,6 +687,24 @@ typedef struct stilb_render_grade {
 
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
  * are compiled during stilb_render_replay, which then takes some milliseconds, and kept. */
+/* What passes into the main images keep light in; the frame's light, which features and the tone map get, is half
+ * floats. In 8 bits it is multiplied by 2^exposure, so that display white is 1 (shading/shade_encoding.h): with a row
+ * that decodes it or, of several samples, makes the mean of what they decode to. Frames that add or blend light keep
+ * half floats: with lighting MULTIPASS, DEFERRED and TILED_DEFERRED, ambient_apart, a backdrop of nothing, surfaces
+ * that blend or let light through, and other things than SHADED (stilb_render_stats.hdr). PREPASS and PRELIGHT add up
+ * in images of half floats beside it. */
+#define STILB_RENDER_HDR_KINDS(X)                                                                                      \
+	X(HALF, half, "half floats, 8 bytes")                                                                              \
+	X(RGBM, rgbm, "4 bytes: colour and multiplier, up to 51.5 times display white")                                    \
+	X(LOGLUV, logluv, "4 bytes: hue and the logarithm of luminance; any brightness")
+
+#define STILB_RENDER_HDR_ENUM(id, ...) STILB_RENDER_HDR_##id,
+typedef enum stilb_render_hdr { STILB_RENDER_HDR_KINDS(STILB_RENDER_HDR_ENUM) STILB_RENDER_HDRS } stilb_render_hdr;
+#undef STILB_RENDER_HDR_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_render_hdr. */
+extern const char *const stilb_render_hdr_names[];
+
 typedef struct stilb_render_view {
 	const stilb_render_target *target; /* NULL: the main images, as large as the picture, which show in all of it */
 	stilb_mat4 view_projection;        /* world to clip space: depth 1 is near, 0 is far, y points down */
@@ -753,6 +771,7 @@ typedef struct stilb_render_view {
 	uint32_t tone;                   /* SHADE_TONE_... of shading/shade_tonemap.h */
 	const stilb_render_grade *grade; /* NULL: none. Of light alone; likewise with output DISPLAY. Read during replay */
 	stilb_render_dither dither;
+	stilb_render_hdr hdr; /* of views into the main images; others are as HALF */
 } stilb_render_view;
 
 /* The matrices by which the view is drawn, moved by its jitter: its view_projection, and that of the frame before,
@@ -798,6 +817,9 @@ stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t conte
 /* Lets the threads of this pool help stilb_render_set_scene and _update_scene with the mips of textures. Its owner is
  * the main thread; it must live until another one is set, or NULL for none, as before the first call. [main-thread] */
 void stilb_render_set_pool(stilb_render *render, stilb_job_pool *pool);
+
+/* The next frame chooses levels of detail as if there had been none before; between frames. [main-thread] */
+void stilb_render_forget_levels(stilb_render *render);
 
 /* Changes the picture's size, 1..16384 pixels a side; between frames. The last picture is lost. STILB_ERROR_DEVICE
  * (larger than this GPU draws): no frame can begin until a resize succeeds. The images are made by the next frame's
@@ -900,7 +922,8 @@ typedef struct stilb_render_stats {
 	uint64_t light_left_out;    /* such pairs that stilb_render_view.light_tolerance kept out of them */
 	uint64_t shadow_terms;      /* of lights in buffers of shadows, of all passes; and the bytes of these */
 	uint64_t shadow_bytes;
-	double gpu_ms; /* GPU time of the last frame whose time is known, ms; 0 on the null device */
+	stilb_render_hdr hdr; /* what the main images' light was kept in */
+	double gpu_ms;        /* GPU time of the last frame whose time is known, ms; 0 on the null device */
 } stilb_render_stats;
 
 /* [main-thread] */
@@ -931,18 +954,22 @@ typedef enum stilb_render_stage {
 	STILB_RENDER_STAGE_FIRST,      /* before all other passes; image: 0 */
 	STILB_RENDER_STAGE_AMBIENT,    /* of main views with ambient_apart; image: "ambient" (render_images.h) */
 	STILB_RENDER_STAGE_REFLECTION, /* likewise "reflection"; then both are added to the main radiance */
-	STILB_RENDER_STAGE_LIGHT,      /* image: the main linear radiance, rgba16_f, a sample a pixel; then the tone map */
-	STILB_RENDER_STAGE_PICTURE,    /* image: the picture after the tone map; 2D passes follow */
-	STILB_RENDER_STAGE_LAST,       /* image: the picture with everything over it */
+	/* image: what scene passes have drawn into the main images, before the mean of its samples is taken, and 8 bits
+	 * become radiance (stilb_render_hdr): rgba16_f or rgba8_u, of the samples that it has */
+	STILB_RENDER_STAGE_DRAWN,
+	STILB_RENDER_STAGE_LIGHT,   /* image: the main linear radiance, rgba16_f, a sample a pixel; then the tone map */
+	STILB_RENDER_STAGE_PICTURE, /* image: the picture after the tone map; 2D passes follow */
+	STILB_RENDER_STAGE_LAST,    /* image: the picture with everything over it */
 	STILB_RENDER_STAGES,
 } stilb_render_stage;
 
 typedef struct stilb_render_feature {
 	stilb_render_stage stage;
 	/* Adds rows to the plan. *image may become another image of the same size and format, which then takes the place
-	 * of the one that was given; not in stages FIRST and LAST. An error, with its message, ends the frame. Called by
-	 * stilb_render_replay; frames without a scene pass into the main images have no stage LIGHT, frames that show no
-	 * target no stage PICTURE. The main images, and so that of stage LIGHT, may have another size than the picture. */
+	 * of the one that was given; not in stages FIRST, DRAWN and LAST. An error, with its message, ends the frame.
+	 * Called by stilb_render_replay; frames without a scene pass into the main images have no stages DRAWN and LIGHT,
+	 * frames that show no target no stage PICTURE. The main images, and so those of DRAWN and LIGHT, may have another
+	 * size than the picture. */
 	stilb_result (*add)(void *user, stilb_gpu_plan *plan, uint16_t *image);
 	void *user;
 } stilb_render_feature;

@@ -29,7 +29,7 @@ render_detail_view render_detail_view_make(const stilb_render_view *view, uint32
 {
 	const stilb_mat4 *m = &view->view_projection;
 	float w = detail_length(m, 3);
-	float pixels = fmaxf(detail_length(m, 0) * (float)width, detail_length(m, 1) * (float)height) * 0.5f;
+	float pixels = fmaxf(render_view_scale(m, 0) * (float)width, render_view_scale(m, 1) * (float)height) * 0.5f;
 	render_detail_view out = {.mode = view->detail.mode, .shows = view->show == STILB_RENDER_SHOW_LEVELS};
 	if (out.mode == STILB_RENDER_DETAIL_OFF && !out.shows)
 		return out;

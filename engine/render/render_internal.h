@@ -88,6 +88,8 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_SHADOW_THINGS 256u /* stilb_render_shadow_reading.things */
 #define RENDER_SHADOW_TAPS 512u   /* so many comparisons come in these */
 #define RENDER_SHADOW_LAYER 4u    /* lights of a layer of the buffer */
+/* So many, above all these: a stilb_render_hdr, what the programs' light is kept in. */
+#define RENDER_SHADOW_HDR (1u << 28)
 
 #define RENDER_LIGHTS_END 64u            /* some have a falloff that is not physical */
 #define RENDER_LIGHTS_GLOSS 128u         /* highlights mirror sky and ground */
@@ -613,6 +615,8 @@ bool render_view_is_apart(const render_device *device, const stilb_render_view *
 /* The bits of programs that draw it; and as light_bits, of what draws all other light. */
 uint32_t render_around_bits(uint32_t light_bits);
 uint32_t render_unlit_around_bits(uint32_t light_bits);
+/* What a view's passes keep its light in, if what they draw allows it. */
+stilb_render_hdr render_view_hdr(const stilb_render_view *view);
 /* RENDER_SHADOW_... of programs that draw a view's surfaces and read maps, or that draw maps. */
 uint32_t render_shadow_bits(const stilb_render_view *view);
 /* True if the view's shadows are read from a buffer, if it has no more lights than that holds. */
@@ -638,11 +642,21 @@ stilb_result render_deferred_lights(render_device *device, const struct render_s
 /* Adds the uses of what those rows of a way that is apart have added up, from the binding `slot` on. */
 void render_deferred_use(const render_frame_target *target, uint8_t slot, stilb_gpu_pass *row);
 
+/* By how much the matrix scales across (row 0) or up (row 1): that row is a unit direction of the camera times it, and,
+ * where the camera looks beside the picture's middle, some of the way ahead. */
+static inline float render_view_scale(const stilb_mat4 *view_projection, size_t row)
+{
+	const float *m = view_projection->m;
+	float x = m[row], y = m[4 + row], z = m[8 + row];
+	float along = x * m[3] + y * m[7] + z * m[11], ahead = m[3] * m[3] + m[7] * m[7] + m[11] * m[11];
+	float square = x * x + y * y + z * z, beside = ahead > 0.0f ? along * along / ahead : 0.0f;
+	return sqrtf(beside > 1e-8f * square ? square - beside : square); /* less is rounding */
+}
+
 /* Pixels of a picture of this height that a length of 1 at a distance of 1 has. */
 static inline float render_view_pixels(const stilb_render_view *view, uint32_t height)
 {
-	const float *m = view->view_projection.m; /* its second row is the camera's up, scaled */
-	return 0.5f * (float)height * sqrtf(m[1] * m[1] + m[5] * m[5] + m[9] * m[9]);
+	return 0.5f * (float)height * render_view_scale(&view->view_projection, 1);
 }
 
 /* Writes the maps of the view's lights, if any has some, to the frame's memory, before it is placed. */

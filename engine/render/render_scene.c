@@ -338,18 +338,24 @@ stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *sce
 	return STILB_OK;
 }
 
+void stilb_render_forget_levels(stilb_render *render)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	for (render_pass_lists *lists = render->passes; lists < render->passes + STILB_RENDER_MAX_PASSES; lists++) {
+		if (lists->impostor_capacity > 0)
+			memset(lists->impostors, 0, lists->impostor_capacity);
+		if (lists->history_capacity > 0)
+			memset(lists->history, 0, lists->history_capacity * sizeof *lists->history);
+	}
+}
+
 void render_scene_replace(stilb_render *render, render_scene *next)
 {
 	render_places_finish(render, &render->scene.places, true);
 	render_scene_destroy(render, &render->scene);
-	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
-		if (render->passes[p].impostor_capacity > 0)
-			memset(render->passes[p].impostors, 0, render->passes[p].impostor_capacity);
+	stilb_render_forget_levels(render);
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
 		render_combined_renew(&render->passes[p].combined);
-	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
-		if (render->passes[p].history_capacity > 0)
-			memset(render->passes[p].history, 0, render->passes[p].history_capacity * sizeof(uint16_t));
 	render_panorama_renew(&render->panorama);
 	render->scene = *next;
 }

@@ -23,6 +23,7 @@ typedef struct effects_row {
 		EFFECTS_EFFECT, /* an amount, 0: the effect is off */
 		EFFECTS_NUMBER, /* of the effect above; 0: its default */
 		EFFECTS_WORD,   /* likewise, an enumeration whose words are `words` */
+		EFFECTS_SWITCH, /* a bool: on or off */
 	} kind;
 	size_t offset; /* in stilb_post_settings, of a float or an int */
 	float usual;   /* of an effect that is switched on for the first time; it goes from 0 to 1 */
@@ -39,12 +40,17 @@ typedef struct effects_row {
 	{                                                                                                                  \
 		.label = text, .kind = EFFECTS_NUMBER, .offset = EFFECTS_AT(member), .range = { __VA_ARGS__ }                  \
 	}
+#define SWITCH(text, member)                                                                                           \
+	{                                                                                                                  \
+		.label = text, .kind = EFFECTS_SWITCH, .offset = EFFECTS_AT(member)                                            \
+	}
 #define WORD(text, member, names)                                                                                      \
 	{                                                                                                                  \
 		.label = text, .kind = EFFECTS_WORD, .offset = EFFECTS_AT(member), .words = names                              \
 	}
 
 static const effects_row effects_rows[] = {
+	SWITCH("Exposure adapts", exposure_adapts),
 	EFFECT("Occlusion", occlusion, 1.0f),
 	NUMBER("Radius", occlusion_radius, 0.05f, 20.0f, 0.05f, "%.2f m"),
 	EFFECT("Motion blur", motion_blur, 0.5f),
@@ -120,6 +126,8 @@ static bool effects_draw_rows(engine_effects *effects, stilb_post_settings *sett
 			float *amount = effects_number(settings, row);
 			changed |= effects_draw_effect(ui, line, row, amount, effects_number(&effects->last, row));
 			on = *amount > 0.0f;
+		} else if (row->kind == EFFECTS_SWITCH) {
+			changed |= stilb_ui_checkbox(ui, line, row->label, (bool *)((char *)settings + row->offset));
 		} else {
 			line.x0 += EFFECTS_INDENT;
 		}
@@ -146,7 +154,7 @@ static void effects_place(engine_effects *effects, const stilb_ui_style *style, 
 {
 	float around = 2.0f * style->margin, line = style->control_height + style->gap;
 	float width = fminf(EFFECTS_WIDTH, input->width - around);
-	float height = style->title_height + around + EFFECTS_BORDER + line * (float)(EFFECTS_ROWS + 1);
+	float height = style->title_height + around + EFFECTS_BORDER + line * (float)(EFFECTS_ROWS + 1 + effects->saves);
 	height = fminf(height, input->height - around);
 	stilb_ui_rect *place = &effects->place;
 	if (stilb_ui_is_empty(*place))
@@ -166,6 +174,8 @@ void engine_effects_draw(engine_effects *effects, stilb_ui *ui, const stilb_post
 	stilb_ui_id_push(ui, "effects");
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "Effects", &effects->place, STILB_UI_PANEL_MOVABLE, &effects->open);
 	bool changed = stilb_ui_checkbox(ui, effects_line(style, &area), "Frames without them", &effects->without);
+	if (effects->saves)
+		effects->save |= stilb_ui_button(ui, effects_line(style, &area), "Save them as a preset");
 	changed |= effects_draw_rows(effects, &effects->kept, ui, area);
 	if (effects->kept.dof != STILB_POST_DOF_OFF && effects->kept.focus == 0.0f) { /* a lens that shows what it does */
 		effects->kept.focus = EFFECTS_FOCUS;
@@ -175,4 +185,20 @@ void engine_effects_draw(engine_effects *effects, stilb_ui *ui, const stilb_post
 	stilb_ui_id_pop(ui);
 	effects->chosen = effects->without ? none : effects->kept;
 	effects->changed |= changed;
+}
+
+void engine_effects_choose(stilb_engine *engine)
+{
+	engine_effects *effects = &engine->overlay.effects;
+	effects->saves = engine->desc.saves;
+	if (!effects->changed)
+		return;
+	bool adapted = engine->desc.post.exposure_adapts, adapts = effects->chosen.exposure_adapts;
+	bool based = engine->exposure_based;
+	float base = engine->exposure_base;
+	stilb_engine_set_post(engine, &effects->chosen);
+	if (adapts)
+		engine->exposure_base = adapted ? base : engine->scene ? engine->scene->camera.exposure : 0.0f;
+	engine->exposure_based = adapts && (!adapted || based);
+	effects->changed = false;
 }

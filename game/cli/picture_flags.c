@@ -240,6 +240,8 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 		{"--dither", FLAG_CHOICE, &p->dither, "KIND",
 	     "of 8-bit codes: ordered (by half a code), triangular (by one) or off (ordered)", 0, 0,
 	     stilb_post_dither_names},
+		{"--hdr", FLAG_CHOICE, &p->hdr, "KIND",
+	     "what passes keep light in: half floats, or 8 bits: rgbm or logluv (half)", 0, 0, stilb_render_hdr_names},
 		{"--grade", FLAG_TEXT, &p->grade, "FILE.cube", "a table of colours that the picture is shown through (none)", 0,
 	     0, NULL},
 		{"--reflections", FLAG_CHOICE, &p->reflections, "KIND",
@@ -542,6 +544,28 @@ static bool picture_check_dof(const picture_flags *p)
 	return false;
 }
 
+/* Light in 8 bits is written once: nothing can be added to it. */
+static bool picture_check_hdr(const picture_flags *p)
+{
+	stilb_render_lighting way = (stilb_render_lighting)p->lighting;
+	const char *hdr = stilb_render_hdr_names[p->hdr];
+	bool adds = way == STILB_RENDER_LIGHTING_MULTIPASS || way == STILB_RENDER_LIGHTING_DEFERRED ||
+	            way == STILB_RENDER_LIGHTING_TILED_DEFERRED;
+	if (p->hdr == STILB_RENDER_HDR_HALF)
+		return true;
+	if (adds)
+		stilb_log("--hdr %s: --lighting %s adds light, which needs --hdr half; light in another way", hdr,
+		          stilb_render_lighting_names[way]);
+	else if (p->occlusion > 0.0f || p->reflections != STILB_POST_REFLECTIONS_OFF)
+		stilb_log("--hdr %s: %s adds the surroundings' light, which needs --hdr half; leave out one of them", hdr,
+		          p->occlusion > 0.0f ? "--ao" : "--reflections");
+	else if (picture_flags_are_transparent(p))
+		stilb_log("--hdr %s: --background transparent needs alpha, which --hdr half alone has", hdr);
+	else
+		return true;
+	return false;
+}
+
 static bool picture_check_post(const picture_flags *p)
 {
 	if (p->occlusion > 0.0f && p->samples > 1) {
@@ -560,7 +584,17 @@ static bool picture_check_post(const picture_flags *p)
 		stilb_log("--reflections has one sample a pixel; leave out --msaa");
 		return false;
 	}
-	return picture_check_dof(p);
+	return picture_check_hdr(p) && picture_check_dof(p);
+}
+
+bool picture_flags_check_look(const picture_flags *p)
+{
+	float color[3];
+	if (p->background && picture_flags_adapt(p) && picture_parse_color(p->background, color)) {
+		stilb_log("--background %s is shown as it is, which --exposure adapt cannot; give EV or auto", p->background);
+		return false;
+	}
+	return picture_check_post(p);
 }
 
 bool picture_flags_check(const picture_flags *p)
@@ -570,7 +604,7 @@ bool picture_flags_check(const picture_flags *p)
 		stilb_log("--msaa: %" PRIu64 " samples are not possible; give 1 or 4", p->samples);
 		return false;
 	}
-	if (!picture_check_lighting(p) || !picture_check_shadows(p) || !picture_check_post(p))
+	if (!picture_check_lighting(p) || !picture_check_shadows(p) || !picture_flags_check_look(p))
 		return false;
 	if (!(p->detail_error >= PICTURE_ERROR_LEAST)) {
 		stilb_log("--lod-error: %g pixels are not possible; give 0.01..%d, or --lod off", (double)p->detail_error,
@@ -585,11 +619,6 @@ bool picture_flags_check(const picture_flags *p)
 	if (p->background && !picture_is_background(p->background)) {
 		stilb_log("--background: '%s' is not known; give environment, blur, transparent, #RRGGBB, or R,G,B in 0..1",
 		          p->background);
-		return false;
-	}
-	float color[3];
-	if (p->background && picture_flags_adapt(p) && picture_parse_color(p->background, color)) {
-		stilb_log("--background %s is shown as it is, which --exposure adapt cannot; give EV or auto", p->background);
 		return false;
 	}
 	return picture_check_show(p) && picture_flags_check_camera("--camera", p->camera);

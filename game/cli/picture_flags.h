@@ -43,6 +43,7 @@ typedef struct picture_flags {
 	uint64_t max_anisotropy;             /* 0 if not given */
 	float occlusion, occlusion_radius;   /* of stilb_post_settings */
 	int dither;                          /* a stilb_post_dither */
+	int hdr;                             /* a stilb_render_hdr */
 	const char *grade, *preset;          /* NULL if not given */
 	stilb_post_settings post;            /* those of the preset, for what has no flag */
 	int aa;                              /* a stilb_post_aa */
@@ -106,6 +107,9 @@ void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_r
 
 /* Checks what the table cannot express. Returns false after one line on stderr. */
 bool picture_flags_check(const picture_flags *picture);
+
+/* Of these what a preset may say, too: effects that do not go with other flags. */
+bool picture_flags_check_look(const picture_flags *picture);
 
 /* Prints the error of a run that did not start; if that is the device's, with the flag that does without it. */
 void picture_flags_log_start(const picture_flags *picture, stilb_result result);

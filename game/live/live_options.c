@@ -111,8 +111,13 @@ static void live_add_output(live_options *o, flag_rows *table)
 		{"Output", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the last frame as .png, or its radiance as .exr or .hdr",
 	     0, 0, NULL},
+		{"--photo", FLAG_SIZE, o->photo, "WxH", "another size of it, and of a key's pictures, by tiles: up to 65536", 1,
+	     STILB_ENGINE_PHOTO_SIDE, NULL},
+		{"--photo-tile", FLAG_NUMBER, &o->photo_tile, "N", "side of these tiles, pixels, 64, 128, ... 8192 (1024)",
+	     STILB_ENGINE_PHOTO_STEP, 8192, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times and counts", 0, 0, NULL},
 		{"--track", FLAG_TEXT, &o->track, "FILE", "the camera's path, a line for each frame", 0, 0, NULL},
+		{"--save-preset", FLAG_TEXT, &o->save_preset, "FILE.json", "the look at the end, for --preset", 0, 0, NULL},
 		{"--plan", FLAG_TEXT, &o->plan, "FILE", "passes, images and barriers of the last frame: .svg, else text", 0, 0,
 	     NULL},
 		{"--dump", FLAG_TEXT, &o->dump, "FILE", "the commands of the last frame, for 'stilb replay'", 0, 0, NULL},
@@ -196,6 +201,38 @@ void live_options_look(live_options *o, stilb_post_preset *preset)
 	o->preset = preset;
 }
 
+static char *live_copy(const char *text)
+{
+	return text ? strdup(text) : NULL;
+}
+
+stilb_result live_options_look_of(const live_options *o, const stilb_engine *engine, stilb_post_preset **look)
+{
+	const stilb_post_preset *from = o->preset;
+	stilb_post_preset *made = *look = calloc(1, sizeof *made);
+	if (!made)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a preset");
+	made->settings = stilb_engine_post(engine);
+	char *end = NULL;
+	made->exposure = o->picture.exposure ? strtof(o->picture.exposure, &end) : 0.0f;
+	made->has_exposure = end && end != o->picture.exposure && *end == '\0';
+	made->has_tone = o->picture.tone != PICTURE_NOT_GIVEN;
+	made->tone = made->has_tone ? (uint32_t)o->picture.tone : 0;
+	const char *grade = o->picture.grade ? o->picture.grade : from ? from->grade_file : NULL;
+	made->grade_file = live_copy(grade);
+	made->area_count = from ? from->area_count : 0;
+	for (uint32_t a = 0; a < made->area_count; a++) {
+		made->areas[a] = from->areas[a]; /* with the tables of that one, which is there */
+		made->area_files[a] = live_copy(from->area_files[a]);
+	}
+	stilb_result result = grade ? stilb_post_table_open(grade, &made->grade) : STILB_OK;
+	if (result == STILB_OK)
+		return STILB_OK;
+	stilb_post_preset_destroy(made);
+	*look = NULL;
+	return result;
+}
+
 void live_options_finish(live_options *o)
 {
 	stilb_post_preset_destroy(o->preset);
@@ -244,10 +281,10 @@ flags_result live_options_parse(live_options *o, const live_help *help, const fl
 	return result;
 }
 
-#define LIVE_OUTPUTS 7
+#define LIVE_OUTPUTS 8
 
 static const char *const live_output_flags[LIVE_OUTPUTS] = {"--screenshot", "--trace", "--stats", "--dump",
-                                                            "--capture",    "--track", "--plan"};
+                                                            "--capture",    "--track", "--plan",  "--save-preset"};
 
 static void live_outputs(const live_options *o, const char *paths[LIVE_OUTPUTS])
 {
@@ -258,6 +295,7 @@ static void live_outputs(const live_options *o, const char *paths[LIVE_OUTPUTS])
 	paths[4] = o->capture;
 	paths[5] = o->track;
 	paths[6] = o->plan;
+	paths[7] = o->save_preset;
 }
 
 FILE *live_message_stream(const live_options *o)
@@ -419,6 +457,38 @@ static bool live_check_profile(const live_options *o)
 	return true;
 }
 
+/* Files of radiance are without effects. */
+static bool live_check_radiance(const live_options *o)
+{
+	int aa = o->picture.aa;
+	if (!o->screenshot || aa == STILB_POST_AA_NONE || !stilb_image_path_is_light(o->screenshot))
+		return true;
+	stilb_log("--aa %s: '%s' keeps radiance, which is without effects; leave it out, or give a .png",
+	          stilb_post_aa_names[aa], o->screenshot);
+	return false;
+}
+
+bool live_options_check_look(const live_options *o)
+{
+	return picture_flags_check_look(&o->picture) && live_check_radiance(o);
+}
+
+/* Of --photo. */
+static bool live_check_photo(const live_options *o)
+{
+	if (o->photo_tile % STILB_ENGINE_PHOTO_STEP != 0)
+		stilb_log("--photo-tile: %" PRIu64 " is no multiple of %u", o->photo_tile, STILB_ENGINE_PHOTO_STEP);
+	else if (o->photo_tile > 0 && o->photo[0] == 0)
+		stilb_log("--photo-tile is of --photo WxH; give that, too");
+	else if (o->photo[0] > 0 && o->pictures > 0)
+		stilb_log("--photo is of one picture, and there are %" PRIu64 "; give them that --size", o->pictures);
+	else if (o->photo[0] > 0 && o->headless && !o->screenshot)
+		stilb_log("--photo: without a window it needs --screenshot FILE");
+	else
+		return true;
+	return false;
+}
+
 bool live_options_check(const live_options *o)
 {
 	const picture_flags *picture = &o->picture;
@@ -436,11 +506,10 @@ bool live_options_check(const live_options *o)
 		stilb_log("--render-scale: %g is too small; give 0.1..4", (double)o->scale);
 		return false;
 	}
-	if (o->screenshot && picture->aa != STILB_POST_AA_NONE && stilb_image_path_is_light(o->screenshot)) {
-		stilb_log("--aa %s: '%s' keeps radiance, which is without effects; leave it out, or give a .png",
-		          stilb_post_aa_names[picture->aa], o->screenshot);
+	if (!live_check_radiance(o))
 		return false;
-	}
+	if (!live_check_photo(o))
+		return false;
 	if (o->screenshot && picture->device == STILB_RENDER_DEVICE_NULL) {
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
 		return false;
@@ -462,7 +531,7 @@ bool live_options_check(const live_options *o)
 	stilb_result result = stilb_cpu_isa(&isa);
 	if (result == STILB_OK && o->screenshot)
 		result = stilb_image_path_check(o->screenshot);
-	const char *const files[] = {o->trace, o->stats, o->dump, o->capture, o->track, o->plan};
+	const char *const files[] = {o->trace, o->stats, o->dump, o->capture, o->track, o->plan, o->save_preset};
 	for (size_t i = 0; i < sizeof files / sizeof *files && result == STILB_OK; i++)
 		if (files[i])
 			result = stilb_file_check(files[i]);
@@ -525,6 +594,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.light_tolerance = o->picture.light_tolerance;
 	desc.light_fade = o->picture.light_fade;
 	desc.ambient = (stilb_render_ambient)o->picture.ambient;
+	desc.hdr = (stilb_render_hdr)o->picture.hdr;
 	desc.shadows = (stilb_engine_shadows){.kind = (stilb_engine_shadow_kind)o->picture.shadows,
 	                                      .cascades = (uint32_t)o->picture.cascades,
 	                                      .size = (uint32_t)o->picture.cascade_size,

@@ -29,6 +29,8 @@ typedef struct live_options {
 	uint64_t frames, profile_ring; /* frames: 0 if not given */
 	uint64_t pictures; /* > 0: end after so many frames, and save each under --screenshot's name with a number */
 	uint32_t workers, size[2];
+	uint32_t photo[2]; /* of --screenshot and of pictures of keys, pixels; 0: those of frames */
+	uint64_t photo_tile;
 	int cull, ui_aa, present; /* values of the engine's enumerations */
 	bool watch_shaders, no_watch_shaders, wait_textures;
 	bool headless, no_present, overlay, inspector, clips, lights, effects, keys, times, no_profile, invert_y;
@@ -36,7 +38,8 @@ typedef struct live_options {
 	float scale;       /* stilb_engine_desc.scale */
 	const char *frames_help;
 	/* NULL if not given: */
-	const char *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track, *plan, *draw, *shaders;
+	const char *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track, *plan, *draw, *shaders,
+		*save_preset;
 } live_options;
 
 /* The words that --cull accepts, in the order of stilb_cull_method; NULL-terminated. */
@@ -64,6 +67,13 @@ bool live_options_check(const live_options *o);
 /* Takes a preset, which is the options' from then on, NULL: none, in place of the one before: what it says counts where
  * no flag was given. */
 void live_options_look(live_options *o, stilb_post_preset *preset);
+
+/* Of live_options_check what a preset that was taken since may break. */
+bool live_options_check_look(const live_options *o);
+
+/* The look that frames have: the engine's effects, and exposure, tone map and tables as of the options; to be freed.
+ * STILB_ERROR_MEMORY, STILB_ERROR_FILE. */
+stilb_result live_options_look_of(const live_options *o, const stilb_engine *engine, stilb_post_preset **look);
 
 /* Frees what parsing has opened. */
 void live_options_finish(live_options *o);

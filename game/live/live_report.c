@@ -173,6 +173,7 @@ stilb_result live_report_save(const live_report *report)
 		stilb_json_double(&json, "error_share", report->last.light_error.share);
 	}
 	stilb_json_end(&json, '}');
+	stilb_json_string(&json, "hdr", stilb_render_hdr_names[render->hdr]);
 	stilb_json_double(&json, "exposure", (double)report->last.exposure);
 	live_put_shadows(&json, report);
 	stilb_job_pool_stats jobs = stilb_engine_job_stats(report->engine);
@@ -217,6 +218,19 @@ static void live_print_shadows(const live_report *report, FILE *out)
 	if (last->shadow_lights_left + last->shadow_lights_faded > 0)
 		fprintf(out, "shadows: of %u lights that are seen none has room, of %u they have faded out\n",
 		        last->shadow_lights_left, last->shadow_lights_faded);
+}
+
+/* What passes kept light in, if that was asked for. */
+static void live_print_hdr(const live_report *report, FILE *out)
+{
+	stilb_render_hdr asked = (stilb_render_hdr)report->options->picture.hdr, used = report->last.render.hdr;
+	if (asked == STILB_RENDER_HDR_HALF)
+		return;
+	if (used == asked)
+		fprintf(out, "light: passes kept it as %s, 4 bytes a sample in place of 8\n", stilb_render_hdr_names[used]);
+	else
+		fprintf(out, "light: passes kept it in half floats, not as %s: the last frame blends or adds light\n",
+		        stilb_render_hdr_names[asked]);
 }
 
 void live_report_print(const live_report *report)
@@ -265,6 +279,7 @@ void live_report_print(const live_report *report)
 		        255.0 * error->rms, 255.0 * error->most, 100.0 * error->share);
 	if (picture_flags_adapt(&o->picture))
 		fprintf(out, "exposure: %+.2f EV, adapted\n", (double)report->last.exposure);
+	live_print_hdr(report, out);
 	live_print_shadows(report, out);
 	stage bound = live_bound(summary);
 	stilb_engine_gamepad_counts pads = stilb_engine_gamepad_counts_get(report->engine);

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #define LIVE_TRACE_FRAMES 1000u /* frames in the file of --trace, at most */
 #define LIVE_TITLE_NS 500000000u
@@ -181,6 +182,33 @@ static stilb_result live_start(live_run *run)
 	return result == STILB_OK ? run->program->start(run->user, run) : result;
 }
 
+/* Writes the last frame's picture, in the size of --photo if that is given. */
+static stilb_result live_photo(const live_run *run, const char *path)
+{
+	const live_options *o = run->options;
+	if (o->photo[0] == 0)
+		return stilb_engine_screenshot(run->engine, path);
+	const char *whole = stilb_engine_photo_whole(run->engine);
+	if (whole)
+		fprintf(live_message_stream(o), "photo: in one piece, as %s\n", whole);
+	return stilb_engine_photo_take(
+		run->engine, &(stilb_engine_photo){
+						 .path = path, .width = o->photo[0], .height = o->photo[1], .tile = (uint32_t)o->photo_tile});
+}
+
+/* The same for a key, under a name that is reserved. */
+static stilb_result live_key_photo(live_run *run, const char *path)
+{
+	if (run->options->photo[0] == 0)
+		return stilb_engine_picture(run->engine, path, true);
+	stilb_result result = live_photo(run, path);
+	if (result == STILB_OK)
+		live_on_pictured(run, &(stilb_engine_pictured){path, STILB_OK, ""});
+	else
+		unlink(path);
+	return result;
+}
+
 /* Takes the picture that a key asked for, under a name of its own. */
 static void live_take_picture(live_run *run)
 {
@@ -189,7 +217,7 @@ static void live_take_picture(live_run *run)
 	stilb_result result =
 		live_picture_reserve(last && !stilb_file_is_stdout(last) ? last : run->program->picture, last, &path);
 	if (result == STILB_OK)
-		result = stilb_engine_picture(run->engine, path, true);
+		result = live_key_photo(run, path);
 	if (result != STILB_OK)
 		live_run_warn(run, stilb_error_message());
 	free(path);
@@ -212,6 +240,35 @@ static stilb_result live_take_numbered(live_run *run)
 	return result;
 }
 
+/* Writes the look that frames have now. */
+static stilb_result live_save_look(const live_run *run, const char *path)
+{
+	stilb_post_preset *look;
+	stilb_result result = live_options_look_of(run->options, run->engine, &look);
+	if (result != STILB_OK)
+		return result;
+	result = stilb_post_preset_save(look, path);
+	stilb_post_preset_destroy(look);
+	return result;
+}
+
+/* The same for the effects' window, under a name of its own. */
+static void live_keep_look(live_run *run)
+{
+	char *path, text[256];
+	stilb_result result = live_picture_reserve("stilb-look.json", run->options->save_preset, &path);
+	if (result == STILB_OK) {
+		result = live_save_look(run, path);
+		if (result != STILB_OK)
+			unlink(path);
+	}
+	snprintf(text, sizeof text, "%s written; --preset shows it", path ? path : "");
+	live_run_say(run, result, "preset", path);
+	if (result == STILB_OK)
+		live_run_tell(run, text);
+	free(path);
+}
+
 /* Carries out the commands of keys and gamepads in the last frame's input. A file that cannot be written is one line on
  * stderr; only a failure of the engine ends the run. */
 static stilb_result live_act(live_run *run, const stilb_engine_report *report)
@@ -220,6 +277,8 @@ static stilb_result live_act(live_run *run, const stilb_engine_report *report)
 		live_run_warn(run, stilb_error_message());
 	if (report->input.actions[STILB_ENGINE_PICTURE] > 0)
 		live_take_picture(run);
+	if (report->saves_look)
+		live_keep_look(run);
 	live_tell_now(run);
 	int64_t workers = (int64_t)stilb_engine_workers(run->engine) + live_run_asked(run, report, LIVE_KEY_MORE_WORKERS) -
 	                  live_run_asked(run, report, LIVE_KEY_FEWER_WORKERS);
@@ -368,9 +427,10 @@ static bool live_finish(live_run *run)
 	if (!good)
 		stilb_log("no memory to sort the stage times; they are reported as 0");
 	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK, dump = STILB_OK, track = STILB_OK;
-	stilb_result plan = STILB_OK;
-	if (o->screenshot && o->pictures == 0)
-		live_run_say(run, picture = stilb_engine_screenshot(run->engine, o->screenshot), "picture", o->screenshot);
+	stilb_result plan = STILB_OK, look = STILB_OK;
+	bool shot = o->screenshot && o->pictures == 0, photo = shot && o->photo[0] > 0;
+	if (shot && !photo)
+		live_run_say(run, picture = live_photo(run, o->screenshot), "picture", o->screenshot);
 	if (o->trace)
 		live_run_say(run, trace = stilb_engine_trace(run->engine, o->trace, LIVE_TRACE_FRAMES), "trace", o->trace);
 	if (o->stats)
@@ -382,15 +442,19 @@ static bool live_finish(live_run *run)
 		      live_message_stream(o));
 	if (o->plan)
 		live_run_say(run, plan = stilb_engine_save_plan(run->engine, o->plan), "plan", o->plan);
+	if (o->save_preset)
+		live_run_say(run, look = live_save_look(run, o->save_preset), "preset", o->save_preset);
 	if (o->track)
 		live_run_say(run, track = live_track_save(&run->track), "track", o->track);
 	live_say_end(run);
 	live_report_print(&report);
+	if (photo) /* draws other frames than those that are reported */
+		live_run_say(run, picture = live_photo(run, o->screenshot), "picture", o->screenshot);
 	uint32_t messages = stilb_engine_validation_messages(run->engine);
 	if (messages > 0)
 		stilb_log("the validation layer had %u message%s", messages, messages == 1 ? "" : "s");
 	return good && run->picture_result == STILB_OK && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK &&
-	       dump == STILB_OK && track == STILB_OK && plan == STILB_OK && messages == 0;
+	       dump == STILB_OK && track == STILB_OK && plan == STILB_OK && look == STILB_OK && messages == 0;
 }
 
 /* Says why the run ends; of memory also what helps, unless the message does so itself. */

@@ -223,9 +223,14 @@ static stilb_result view_take_look(view *v, const char *name, view_coming *come)
 		if (!v->options.picture.quiet)
 			stilb_log("%s: pictures are shown as this file says", path);
 	}
-	come->own = preset;
-	come->looks = preset || v->own_look; /* else what the user has chosen stays */
+	bool has = preset;
 	live_options_look(&v->options, preset);
+	if (has && !live_options_check_look(&v->options)) {
+		live_options_look(&v->options, NULL);
+		return stilb_fail(STILB_ERROR_ARGUMENT, "%s: what it says does not go with the flags that are given", path);
+	}
+	come->own = has;
+	come->looks = has || v->own_look; /* else what the user has chosen stays */
 	return STILB_OK;
 }
 

@@ -397,6 +397,12 @@ static void shows_looks(void **state)
 	assert_null(strstr(run.err, "this file says"));
 	stilb_good("demo --models 4 --headless --frames 1 --screenshot d.png --preset p.json --size 32x32");
 	assert_true(says_in_png("d.png", "stilb:tone", "hable") && says_in_png("d.png", "stilb:exposure", "-2"));
+	stilb_good("view ball.obj --headless --preset p.json --bloom 0.25 --save-preset q.json " SMALL);
+	stilb_good("view ball.obj --headless --screenshot e.png --preset q.json " SMALL);
+	assert_true(says_in_png("e.png", "stilb:tone", "hable") && says_in_png("e.png", "stilb:exposure", "-2"));
+	write_text("ball.obj.post.json", "{\"aa\": \"post\"}"); /* checked as flags are */
+	assert_int_equal(stilb_code(no_display, "view ball.obj --headless --screenshot a.exr --size 8x8"), 2);
+	assert_said(run.err, "ball.obj.post.json: what it says does not go with the flags that are given");
 	write_text("ball.obj.post.json", "{\"tones\": \"piecewise\"}");
 	assert_int_equal(stilb_code(no_display, "view ball.obj --headless --screenshot a.png " SMALL), 2);
 	assert_said(run.err, "ball.obj.post.json: JSON line 1, column 3: 'tones' is no member of a preset");

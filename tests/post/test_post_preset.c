@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static char folder[64];
@@ -30,12 +31,14 @@ static int folder_make(void **state)
 static int folder_remove(void **state)
 {
 	(void)state;
-	static const char *const names[] = {"warm.cube", "cold.cube", "bad.cube", "p.json"};
+	static const char *const names[] = {"warm.cube", "cold.cube", "bad.cube", "p.json", "q.json", "in/q.json"};
 	char path[128];
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		snprintf(path, sizeof path, "%s/%s", folder, names[i]);
 		unlink(path);
 	}
+	snprintf(path, sizeof path, "%s/in", folder);
+	rmdir(path);
 	return rmdir(folder);
 }
 
@@ -134,6 +137,73 @@ static void mistakes_are_named(void **state)
 	assert_non_null(strstr(stilb_error_message(), "there are more than 64 areas"));
 }
 
+static void is_same(const stilb_post_preset *a, const stilb_post_preset *b)
+{
+	assert_memory_equal(&a->settings, &b->settings, sizeof a->settings);
+	assert_true(a->has_exposure == b->has_exposure && a->exposure == b->exposure);
+	assert_true(a->has_tone == b->has_tone && a->tone == b->tone && a->area_count == b->area_count);
+	assert_true((bool)a->grade == (bool)b->grade);
+	for (uint32_t i = 0; i < a->area_count; i++) {
+		const stilb_post_area *x = &a->areas[i], *y = &b->areas[i];
+		assert_memory_equal(x->low, y->low, sizeof x->low);
+		assert_memory_equal(x->high, y->high, sizeof x->high);
+		assert_true(x->blend == y->blend && x->exposure == y->exposure && (bool)x->table == (bool)y->table);
+		assert_true(!x->table || x->table->size == y->table->size);
+	}
+}
+
+static void file_holds(const char *path, const char *words, bool holds)
+{
+	char text[4096] = "";
+	FILE *file = fopen(path, "r");
+	assert_non_null(file);
+	text[fread(text, 1, sizeof text - 1, file)] = '\0';
+	fclose(file);
+	if ((bool)strstr(text, words) != holds)
+		fail_msg("'%s' in %s", words, text);
+}
+
+/* What is saved is read as what it was: all members, none, and tables that lie elsewhere. */
+static void saved_is_read_again(void **state)
+{
+	(void)state;
+	static const char *const texts[] = {
+		"{\"exposure\": \"adapt\", \"exposure_percentiles\": [0, 0.5], \"exposure_speed\": 1.5, \"exposure_rate\": 3,"
+		"\"exposure_range\": [-2, 5.1], \"ao\": 0.1, \"ao_radius\": 7, \"bloom\": 0.07, \"bloom_width\": 0.75,"
+		"\"bloom_format\": \"fixed\", \"post\": \"gpu\", \"aa\": \"temporal\", \"motion_blur\": 0.3,"
+		"\"motion_blur_most\": 0.2, \"reflections\": \"crude\", \"dof\": \"lerp\", \"aperture\": 0.01, \"focus\": 3.3,"
+		"\"blades\": 6, \"tone\": \"piecewise\", \"grade\": \"warm.cube\", \"dither\": \"triangular\","
+		"\"areas\": [{\"low\": [-1, -2, -3], \"high\": [1, 2.2, 3], \"blend\": 0, \"exposure\": -1.5,"
+		"\"grade\": \"cold.cube\"}, {\"low\": [4, 5, 6], \"high\": [7, 8, 9]}]}",
+		"{\"exposure\": -1.25}", "{}"};
+	char path[128], table[128], again[128];
+	file_write("warm.cube", "LUT_1D_SIZE 2\n0.1 0 0\n1 1 0.9\n", table);
+	file_write("cold.cube", "LUT_1D_SIZE 3\n0 0 0.1\n.5 .5 .5\n0.9 1 1\n", table);
+	snprintf(again, sizeof again, "%s/in", folder);
+	assert_int_equal(mkdir(again, 0700), 0);
+	for (size_t i = 0; i < 2 * sizeof texts / sizeof *texts; i++) {
+		stilb_post_preset *p, *q;
+		file_write("p.json", texts[i / 2], path);
+		snprintf(again, sizeof again, "%s/%sq.json", folder, i % 2 ? "in/" : "");
+		assert_int_equal(stilb_post_preset_open(path, &p), STILB_OK);
+		if (stilb_post_preset_save(p, again) != STILB_OK || stilb_post_preset_open(again, &q) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+		is_same(p, q);
+		if (i < 2)
+			file_holds(again, "\"warm.cube\"", i == 0); /* beside it, else by its whole path */
+		else
+			file_holds(again, "bloom", false);
+		free(p->grade_file);
+		p->grade_file = NULL;
+		if (p->grade) {
+			assert_int_equal(stilb_post_preset_save(p, again), STILB_ERROR_ARGUMENT);
+			assert_non_null(strstr(stilb_error_message(), "has no file"));
+		}
+		stilb_post_preset_destroy(p);
+		stilb_post_preset_destroy(q);
+	}
+}
+
 /* Bytes that change and end early: a preset or a message, and nothing else. */
 static void damaged_files_are_answered(void **state)
 {
@@ -164,6 +234,7 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(members_come_where_they_belong),
 		cmocka_unit_test(mistakes_are_named),
+		cmocka_unit_test(saved_is_read_again),
 		cmocka_unit_test(damaged_files_are_answered),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);

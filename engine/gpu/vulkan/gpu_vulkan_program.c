@@ -168,13 +168,16 @@ static VkPipelineColorBlendAttachmentState blend_of(const stilb_gpu_program_desc
 	uint8_t blend = desc->blend;
 	if (desc->colors > 0 && color >= desc->colors)
 		return (VkPipelineColorBlendAttachmentState){0}; /* it stays as it is */
-	VkBlendFactor target = blend == STILB_GPU_BLEND_ADD ? VK_BLEND_FACTOR_ONE : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+	bool multiply = blend == STILB_GPU_BLEND_MULTIPLY;
+	VkBlendFactor target = multiply                       ? VK_BLEND_FACTOR_SRC_COLOR
+	                       : blend == STILB_GPU_BLEND_ADD ? VK_BLEND_FACTOR_ONE
+	                                                      : VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
 	return (VkPipelineColorBlendAttachmentState){
 		.blendEnable = blend != STILB_GPU_BLEND_NONE,
-		.srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
+		.srcColorBlendFactor = multiply ? VK_BLEND_FACTOR_ZERO : VK_BLEND_FACTOR_ONE,
 		.dstColorBlendFactor = target,
-		.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-		.dstAlphaBlendFactor = target,
+		.srcAlphaBlendFactor = multiply ? VK_BLEND_FACTOR_ZERO : VK_BLEND_FACTOR_ONE,
+		.dstAlphaBlendFactor = multiply ? VK_BLEND_FACTOR_ONE : target,
 		.colorWriteMask = desc->stencil == STILB_GPU_STENCIL_COUNT ? 0 : 0xf,
 	};
 }

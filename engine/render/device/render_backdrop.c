@@ -11,7 +11,7 @@ typedef struct backdrop_data {
 	float map[STILB_SCENE_BACKDROP_HEIGHT * STILB_SCENE_BACKDROP_WIDTH][4];
 } backdrop_data;
 
-static_assert(sizeof(render_backdrop_push) == 112, "std430");
+static_assert(sizeof(render_backdrop_push) == 120, "std430");
 static_assert(STILB_SCENE_FLOOR_SIDE == 64 && STILB_SCENE_BACKDROP_HEIGHT == 32 && STILB_SCENE_BACKDROP_WIDTH == 64,
               "as in backdrop.frag");
 
@@ -115,7 +115,8 @@ stilb_result render_backdrop_write(render_device *device, const stilb_render_vie
 {
 	STILB_ASSERT(render_backdrop_is_drawn(view, panorama));
 	render_backdrop_kind kind = render_backdrop_kind_of(view, panorama);
-	*push = (render_backdrop_push){.turn = {sinf(view->surroundings.rotation), cosf(view->surroundings.rotation)}};
+	*push = (render_backdrop_push){.turn = {sinf(view->surroundings.rotation), cosf(view->surroundings.rotation)},
+	                               .exposure = exp2f(view->exposure)};
 	render_backdrop_axes(view, push->ahead, push->across, push->down);
 	if (kind == RENDER_BACKDROP_SKY) {
 		memcpy(push->color, view->surroundings.sky, sizeof view->surroundings.sky);

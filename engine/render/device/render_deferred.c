@@ -202,7 +202,8 @@ stilb_result render_deferred_lights(render_device *device, const render_stream *
 	bool volumes = render_view_has_volumes(device, view);
 	stilb_gpu_use tiles;
 	deferred_rows rows = {.device = device, .target = target, .push = push, .bits = bits};
-	stilb_result result = render_programs_choose(device, &view->shading, bits, lights->shadow_bits, 0, 0, &choice);
+	stilb_result result = render_programs_choose(device, &view->shading, bits,
+	                                             lights->shadow_bits & (RENDER_SHADOW_HDR - 1), 0, 0, &choice);
 	if (result == STILB_OK)
 		result = render_programs_deferred(device, choice, volumes);
 	if (result != STILB_OK || (lights->count == 0 && !way.apart))

@@ -48,7 +48,8 @@ typedef struct render_view_data {
 	float harmonics[9][4];
 	float mirrored[4];
 	float jitter[2]; /* stilb_render_view.jitter */
-	float unused[2];
+	float exposure;  /* factor of radiance, where light is kept as exposed (stilb_render_hdr) */
+	float unused;
 } render_view_data;
 
 static_assert(sizeof(render_view_data) == 448, "std430");
@@ -98,6 +99,8 @@ typedef struct render_backdrop_push {
 	float floor_radius[4]; /* of a floor its center and radius; of a sky the ground's colour */
 	float turn[2];         /* of a panorama: sine and cosine of its rotation */
 	uint64_t data;         /* of a floor and a map: backdrop_data */
+	float exposure;        /* factor of radiance, where light is kept as exposed */
+	float padding;
 } render_backdrop_push;
 
 /* Constants of shaders/velocity/velocity_far.frag. */
@@ -193,6 +196,7 @@ extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: verte
 extern const stilb_gpu_shader render_depth_fragment[2], render_impostor_depth_fragment[2], render_velocity_far_fragment;
 extern const stilb_gpu_shader render_backdrop_fragment[2];                      /* [1: of a panorama] */
 extern const stilb_gpu_shader render_resolve_fragment, render_tone_fragment[2]; /* [1: with a grade] */
+extern const stilb_gpu_shader render_decode_fragment;                           /* of light in 8 bits */
 
 /* The formulas that a program is compiled with, in the order of the shaders' specialization constants 2, 3, .... */
 typedef enum render_formula {
@@ -201,8 +205,9 @@ typedef enum render_formula {
 	RENDER_FORMULA_G,
 	RENDER_FORMULA_F,
 	RENDER_FORMULA_LIGHTS,  /* render_view_lights.bits */
-	RENDER_FORMULA_SHADOWS, /* RENDER_SHADOW_...; in shaders number 11 */
+	RENDER_FORMULA_SHADOWS, /* RENDER_SHADOW_... but RENDER_SHADOW_HDR; in shaders number 11 */
 	RENDER_FORMULA_BESIDE,  /* RENDER_BESIDE_...; in shaders number 12 */
+	RENDER_FORMULA_HDR,     /* a stilb_render_hdr: what light is kept in; in shaders number 13 */
 	RENDER_FORMULAS,
 } render_formula;
 
@@ -296,7 +301,9 @@ typedef struct render_programs {
 	bool lock_made;
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
-	stilb_gpu_program flats[RENDER_FLATS], backdrops[RENDER_BACKDROPS], resolve, behind, behind_half, velocity_far;
+	stilb_gpu_program flats[RENDER_FLATS], behind, behind_half, velocity_far;
+	stilb_gpu_program backdrops[STILB_RENDER_HDRS][RENDER_BACKDROPS];
+	stilb_gpu_program resolves[STILB_RENDER_HDRS], decodes[STILB_RENDER_HDRS]; /* of several samples, of one */
 	stilb_gpu_program around, difference;
 	stilb_gpu_program volume_depth, volume_count[2]; /* [1: with the bindings of what is apart] */
 	stilb_gpu_program cells[RENDER_CELLS_PASSES];
@@ -373,6 +380,8 @@ typedef struct render_frame_target {
 		*from;                      /* NULL: the main images in the picture's size. The caller's, during replay alone */
 	bool main;                      /* these are the main images */
 	uint16_t color, samples, depth; /* resources of the plan; 0: it has none. samples: with several a pixel */
+	uint16_t encoded;               /* likewise, what passes of one sample draw in place of color */
+	stilb_render_hdr hdr;           /* what the light of passes is kept in */
 	uint16_t behind;                /* as of render_through.c; 0: no pass has needed it so far */
 	uint16_t beside[RENDER_BESIDE_IMAGES];    /* of one sample a pixel; 0: no view has asked for them so far */
 	uint16_t velocity_depth;                  /* of rows that draw velocities alone; 0: there are none */
@@ -572,7 +581,10 @@ stilb_result render_programs_tone(render_device *device, uint32_t tone, bool pla
 /* The same with a table of colours, and the program. tone: SHADE_TONE_... [any-thread] */
 stilb_result render_programs_grade(render_device *device, uint32_t tone, bool placed, bool curves,
                                    stilb_gpu_program *program);
-stilb_result render_programs_backdrop(render_device *device, render_backdrop_kind kind);
+/* Compiles what draws the backdrop into light that is kept so. [any-thread] */
+stilb_result render_programs_backdrop(render_device *device, render_backdrop_kind kind, stilb_render_hdr hdr);
+/* Compiles what makes the main images' light of several samples, or of 8 bits. [any-thread] */
+stilb_result render_programs_hdr(render_device *device, stilb_render_hdr hdr);
 /* What draws velocities where no model is. [any-thread] */
 stilb_result render_programs_velocity(render_device *device);
 /* What adds the surroundings' light where it is apart. [any-thread] */
@@ -645,10 +657,18 @@ stilb_result render_around_add(render_device *device, const render_frame_target 
 
 /* ---- render_target.c: what scene passes draw into ---------------------------------------------------------------- */
 
-/* The frame's images for a view's target, or NULL: for the main ones; made when they are first asked for. */
-render_frame_target *render_target_get(render_device *device, const stilb_render_target *target);
+/* The frame's images for a view's target, or NULL: for the main ones; made when they are first asked for, with light in
+ * that. */
+render_frame_target *render_target_get(render_device *device, const stilb_render_target *target, stilb_render_hdr hdr);
 /* Makes the image of a lasting target, unless it is there. */
 stilb_result render_target_reserve(render_device *device, const stilb_render_target *target);
+/* What passes draw light into. */
+static inline uint16_t render_target_light(const render_frame_target *target)
+{
+	return target->samples ? target->samples : target->encoded ? target->encoded : target->color;
+}
+/* By stilb_render_hdr. */
+extern const stilb_gpu_format render_hdr_formats[STILB_RENDER_HDRS];
 /* The number of a list without draws among the frame's: of passes that clear alone. */
 uint32_t render_target_nothing(render_device *device);
 /* The name of what the target has besides colour and depth: of the main images `what`, else it stands behind the
@@ -668,7 +688,7 @@ void render_target_attach(render_device *device, const render_formula_programs *
                           stilb_gpu_pass *row);
 /* The main images; NULL: the frame has none. */
 render_frame_target *render_target_main(render_device *device);
-/* Adds the passes that make light of samples. */
+/* Adds the passes that make light of samples, and of what is kept in 8 bits. */
 void render_targets_resolve(render_device *device);
 /* Adds the pass that compares the light of a target, without what features have made of it, with the reference; *light:
  * how far they are apart. STILB_ERROR_ARGUMENT: there is none. */

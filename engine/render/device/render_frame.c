@@ -1,6 +1,7 @@
 /* A frame as a plan: its passes become rows, and a pass's draws a list. */
 #include "render/device/render_images.h"
 #include "render/render_internal.h"
+#include "shading/shade_encoding.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -33,7 +34,8 @@ static stilb_result frame_stage(render_device *device, stilb_render_stage stage,
 		if (feature->stage != stage)
 			continue;
 		uint16_t given = *image;
-		bool replaces = stage != STILB_RENDER_STAGE_FIRST && stage != STILB_RENDER_STAGE_LAST;
+		bool replaces =
+			stage != STILB_RENDER_STAGE_FIRST && stage != STILB_RENDER_STAGE_DRAWN && stage != STILB_RENDER_STAGE_LAST;
 		device->frame.added[f].first = stilb_gpu_plan_passes(device->plan);
 		result = feature->add(feature->user, device->plan, &given);
 		device->frame.added[f].end = stilb_gpu_plan_passes(device->plan);
@@ -101,6 +103,7 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	memcpy(out->from_clip, from_clip.m, sizeof out->from_clip);
 	memcpy(out->jitter, view->jitter, sizeof out->jitter);
 	out->last_vertices = device->heaps[RENDER_HEAP_LAST].address;
+	out->exposure = exp2f(view->exposure);
 	out->shadows = slot->memory[RENDER_MEMORY_LIGHT_LISTS].address + stream->lights.shadows * sizeof(float[4]);
 	render_view_push push = {
 		.added = {view->shading.roughness, view->shading.anisotropy, view->shading.wrap, view->shading.specular},
@@ -369,11 +372,14 @@ static stilb_result frame_end_scene(render_device *device)
 	if (frame->ended || frame->target_count == 0)
 		return STILB_OK;
 	frame->ended = true;
-	render_targets_resolve(device);
 	const render_frame_target *main = render_target_main(device);
-	uint16_t light = main ? main->color : 0;
+	uint16_t light = main ? main->color : 0, drawn = main ? render_target_light(main) : 0;
 	/* Without a number its row is wrong, which the plan will say. */
-	stilb_result result = light != 0 ? frame_stage(device, STILB_RENDER_STAGE_LIGHT, &light) : STILB_OK;
+	stilb_result result = drawn != 0 ? frame_stage(device, STILB_RENDER_STAGE_DRAWN, &drawn) : STILB_OK;
+	if (result != STILB_OK)
+		return result;
+	render_targets_resolve(device);
+	result = light != 0 ? frame_stage(device, STILB_RENDER_STAGE_LIGHT, &light) : STILB_OK;
 	if (result == STILB_OK && light != 0 && main->tone == RENDER_TONE_ERROR)
 		result = render_target_compare(device, main, &light);
 	if (result != STILB_OK)
@@ -407,7 +413,7 @@ static stilb_result frame_backdrop(render_device *device, const render_stream *s
 {
 	render_backdrop_push push;
 	render_backdrop_kind kind = render_backdrop_kind_of(stream->view, stream->panorama);
-	stilb_result result = render_programs_backdrop(device, kind);
+	stilb_result result = render_programs_backdrop(device, kind, target->hdr);
 	if (result == STILB_OK)
 		result = render_backdrop_write(device, stream->view, stream->panorama, &push);
 	if (result != STILB_OK)
@@ -416,8 +422,8 @@ static stilb_result frame_backdrop(render_device *device, const render_stream *s
 		.name = "backdrop",
 		.kind = STILB_GPU_PASS_FULLSCREEN,
 		.color_count = 1,
-		.program = device->programs.backdrops[kind].id,
-		.color = {{.image = target->samples ? target->samples : target->color, .load = STILB_GPU_LOAD_DISCARD}},
+		.program = device->programs.backdrops[target->hdr][kind].id,
+		.color = {{.image = render_target_light(target), .load = STILB_GPU_LOAD_DISCARD}},
 	};
 	if (kind == RENDER_BACKDROP_PANORAMA) {
 		row.uses[0] = (stilb_gpu_use){.resource = frame_texels(device, stream), .how = STILB_GPU_USE_SAMPLED};
@@ -464,7 +470,24 @@ static stilb_result frame_first(render_device *device, const render_stream *stre
 	stilb_result result = render_programs_tone(device, target->tone, target->from);
 	if (result == STILB_OK && target->grade)
 		result = render_programs_grade(device, target->tone, target->from, target->grade->curves, &graded);
+	if (result == STILB_OK && target->hdr != STILB_RENDER_HDR_HALF)
+		result = render_programs_hdr(device, target->hdr);
 	return result == STILB_OK && backdrop ? frame_backdrop(device, stream, target) : result;
+}
+
+/* What light is cleared to, as it is kept. */
+static void frame_clear(const stilb_render_view *view, const render_frame_target *target, float clear[4])
+{
+	render_backdrop_clear(view, clear);
+	if (target->hdr == STILB_RENDER_HDR_HALF)
+		return;
+	float exposure = target->exposure;
+	stilb_vec3 exposed = stilb_vec3_make(clear[0] * exposure, clear[1] * exposure, clear[2] * exposure);
+	stilb_vec4 kept = target->hdr == STILB_RENDER_HDR_RGBM
+	                      ? shade_rgbm_encode(exposed, SHADE_RGBM_FACTOR, SHADE_RGBM_GAMMA)
+	                      : shade_logluv_encode(exposed);
+	for (int c = 0; c < 4; c++)
+		clear[c] = kept[c];
 }
 
 /* What a scene pass draws into. */
@@ -486,11 +509,11 @@ static void frame_attach(const render_stream *stream, render_frame_target *targe
 	}
 	row->color_count = 1;
 	row->color[0] = (stilb_gpu_attachment){
-		.image = target->samples ? target->samples : target->color,
+		.image = render_target_light(target),
 		.load = target->drawn || backdrop ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR,
 	};
 	if (!target->data)
-		render_backdrop_clear(stream->view, row->color[0].clear);
+		frame_clear(stream->view, target, row->color[0].clear);
 	else if (!target->transparent)
 		row->color[0].clear[3] = 1.0f;
 }
@@ -841,7 +864,7 @@ static stilb_result frame_plain(render_device *device, const render_stream *stre
 	render_formula_programs *choice;
 	render_stream lit = *stream;
 	if (lit.lights.terms > 0)
-		lit.lights.shadow_bits = RENDER_SHADOW_BUFFER;
+		lit.lights.shadow_bits = RENDER_SHADOW_BUFFER | RENDER_SHADOW_HDR * (uint32_t)target->hdr;
 	if (way.surfaces)
 		return frame_deferred(device, &lit, target, backdrop, push);
 	if (way.laid)
@@ -926,15 +949,12 @@ static stilb_result frame_seen(render_device *device, const render_stream *strea
 	return alone ? frame_velocity(device, stream, target, push) : STILB_OK;
 }
 
-static stilb_result frame_scene(render_device *device, const render_stream *pass)
+static stilb_result frame_scene_into(render_device *device, const render_stream *pass, render_frame_target *target)
 {
 	render_stream drawn = *pass;
 	const render_stream *stream = &drawn;
 	const stilb_render_view *view = stream->view;
 	render_formula_programs *choice;
-	render_frame_target *target = render_target_get(device, view->target);
-	if (target->result != STILB_OK)
-		return target->result;
 	bool backdrop = !target->drawn && target->color != 0 && render_view_is_lit(view) && !render_view_counts(view) &&
 	                render_backdrop_is_drawn(view, stream->panorama);
 	uint32_t surfaces = frame_surfaces(stream);
@@ -962,7 +982,7 @@ static stilb_result frame_scene(render_device *device, const render_stream *pass
 		return result;
 	if (view->show == STILB_RENDER_SHOW_ATLAS && target == render_target_main(device) && view->shadows &&
 	    view->shadows->map_count > 0)
-		device->frame.atlas = render_target_get(device, view->shadows->target)->depth;
+		device->frame.atlas = render_target_get(device, view->shadows->target, STILB_RENDER_HDR_HALF)->depth;
 	bool apart = !target->drawn && render_view_is_apart(device, view);
 	render_way way = target->drawn ? (render_way){0} : render_view_way(device, view);
 	if (!apart && !way.surfaces && !way.laid && !frame_is_multipass(stream))
@@ -971,6 +991,36 @@ static stilb_result frame_scene(render_device *device, const render_stream *pass
 	               : frame_plain(device, stream, target, backdrop, &push);
 	return result == STILB_OK ? frame_rows(device, stream, FRAME_DRAWS_OTHERS, choice, target, backdrop, &push)
 	                          : result;
+}
+
+/* What the stream's light can be kept in: what blends reads what is there, which 8 bits hold as no sum of light. */
+static stilb_render_hdr frame_hdr(const render_device *device, const render_stream *stream)
+{
+	uint64_t reads = RENDER_MAPS_BLEND | RENDER_MAPS_THROUGH;
+	for (uint32_t r = 0; r < stream->run_count; r++) {
+		uint64_t state = stream->runs[r].state;
+		if (state & RENDER_STATE_MAPS && device->maps[render_state_group(state)].bits & reads)
+			return STILB_RENDER_HDR_HALF;
+	}
+	return render_view_hdr(stream->view);
+}
+
+static stilb_result frame_scene(render_device *device, const render_stream *stream)
+{
+	render_stream kept = *stream;
+	stilb_render_hdr hdr = frame_hdr(device, stream);
+	render_frame_target *target = render_target_get(device, stream->view->target, hdr);
+	if (target->result != STILB_OK)
+		return target->result;
+	if (target->hdr != hdr && target->hdr != STILB_RENDER_HDR_HALF)
+		return stilb_fail(
+			STILB_ERROR_ARGUMENT,
+			"pass '%s' blends or adds light, which earlier passes have kept in 8 bits; let all views into "
+			"the main images keep it in half floats",
+			stream->pass->name ? stream->pass->name : "pass");
+	kept.lights.shadow_bits =
+		(stream->lights.shadow_bits & (RENDER_SHADOW_HDR - 1)) | RENDER_SHADOW_HDR * (uint32_t)target->hdr;
+	return frame_scene_into(device, &kept, target);
 }
 
 static stilb_result frame_2d(render_device *device, const render_stream *stream)
@@ -1089,6 +1139,7 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 	device->stats.binds_sent += stats.binds;
 	device->drawn = !device->gpu->keep_back;
 	const render_frame_target *main = render_target_main(device);
+	device->stats.hdr = main ? main->hdr : STILB_RENDER_HDR_HALF;
 	device->lit = device->drawn && main && stilb_gpu_plan_ready(device->plan, main->color, 0, 0);
 	return STILB_OK;
 }

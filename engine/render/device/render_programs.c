@@ -180,6 +180,7 @@ static void program_formulas(const render_device *device, const render_formula_p
 		program_constant(desc, 2 + f, choice->formulas[f]);
 	program_constant(desc, 11, choice->formulas[RENDER_FORMULA_SHADOWS]);
 	program_constant(desc, 12, choice->formulas[RENDER_FORMULA_BESIDE]);
+	program_constant(desc, 13, choice->formulas[RENDER_FORMULA_HDR]);
 	program_constant(desc, 7, detail);
 	program_constant(desc, 8, render_formulas_are_depth(choice) ? 1 : device->samples);
 }
@@ -340,14 +341,15 @@ static stilb_result program_screen(render_device *device, const char *name, stil
 
 /* ---- the backdrop, the tone map ---------------------------------------------------------------------------------- */
 
-stilb_result render_programs_backdrop(render_device *device, render_backdrop_kind kind)
+stilb_result render_programs_backdrop(render_device *device, render_backdrop_kind kind, stilb_render_hdr hdr)
 {
-	stilb_gpu_format color = STILB_GPU_RGBA16_F;
-	stilb_gpu_program *program = &device->programs.backdrops[kind];
+	stilb_gpu_format color = render_hdr_formats[hdr];
+	stilb_gpu_program *program = &device->programs.backdrops[hdr][kind];
 	bool panorama = kind == RENDER_BACKDROP_PANORAMA;
 	stilb_gpu_program_desc desc = {
 		.name = "backdrop", .fragment = render_backdrop_fragment[panorama], .samplers = panorama};
 	program_constant(&desc, 0, kind);
+	program_constant(&desc, 1, hdr);
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = program_once(device, &desc, program);
 	pthread_mutex_unlock(&device->programs.lock);
@@ -412,24 +414,34 @@ stilb_result render_programs_behind(render_device *device)
 	           : result;
 }
 
+stilb_result render_programs_hdr(render_device *device, stilb_render_hdr hdr)
+{
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	bool samples = device->samples > 1;
+	const uint32_t resolve[2] = {device->samples, hdr}, decode[1] = {hdr};
+	stilb_gpu_program *program = samples ? &device->programs.resolves[hdr] : &device->programs.decodes[hdr];
+	STILB_ASSERT(samples || hdr != STILB_RENDER_HDR_HALF);
+	pthread_mutex_lock(&device->programs.lock);
+	stilb_result result = samples ? program_screen(device, "resolve", render_resolve_fragment, resolve, 2, program)
+	                              : program_screen(device, "decode", render_decode_fragment, decode, 1, program);
+	pthread_mutex_unlock(&device->programs.lock);
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, &color, 1, STILB_GPU_NONE, 1) : result;
+}
+
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed)
 {
 	STILB_ASSERT(tone < RENDER_TONES);
 	render_programs *programs = &device->programs;
-	stilb_gpu_format color = STILB_GPU_RGBA16_F, picture = render_picture_format(device);
+	stilb_gpu_format picture = render_picture_format(device);
 	bool display = device->output == STILB_RENDER_OUTPUT_DISPLAY;
-	uint32_t samples[1] = {device->samples}, curve[3] = {tone, display, placed};
+	uint32_t curve[3] = {tone, display, placed};
 	stilb_gpu_program *toned = &programs->tones[placed][tone];
 	pthread_mutex_lock(&programs->lock);
 	stilb_result result = program_screen(device, "tone", render_tone_fragment[0], curve, 3, toned);
-	if (result == STILB_OK && device->samples > 1)
-		result = program_screen(device, "resolve", render_resolve_fragment, samples, 1, &programs->resolve);
 	pthread_mutex_unlock(&programs->lock);
 	if (result == STILB_OK)
 		result = stilb_gpu_program_prepare(device->gpu, *toned, &picture, 1, STILB_GPU_NONE, 1);
-	if (result == STILB_OK && device->samples > 1)
-		result = stilb_gpu_program_prepare(device->gpu, programs->resolve, &color, 1, STILB_GPU_NONE, 1);
-	return result;
+	return result == STILB_OK && device->samples > 1 ? render_programs_hdr(device, STILB_RENDER_HDR_HALF) : result;
 }
 
 stilb_result render_programs_grade(render_device *device, uint32_t tone, bool placed, bool curves,
@@ -482,9 +494,10 @@ static stilb_result choice_compile(render_device *device, const render_formula_p
 {
 	bool depth = render_formulas_are_depth(choice);
 	bool alone = choice->formulas[RENDER_FORMULA_BESIDE] & RENDER_BESIDE_ALONE;
+	stilb_gpu_format color = render_hdr_formats[choice->formulas[RENDER_FORMULA_HDR]];
 	stilb_gpu_format formats[STILB_GPU_MAX_COLORS] = {alone                        ? STILB_GPU_NONE
 	                                                  : formulas_are_terms(choice) ? STILB_GPU_RGBA8_U
-	                                                                               : STILB_GPU_RGBA16_F};
+	                                                                               : color};
 	uint32_t count = depth ? 0 : 1;
 	if (render_formulas_are_gbuffer(choice)) {
 		bool slim = formulas_are_apart(choice);
@@ -536,6 +549,7 @@ static stilb_result choice_make(render_device *device, render_formula_programs *
 /* Of RENDER_SHADOW_... those that programs with these bits read. */
 static uint32_t choice_shadow_bits(uint32_t light_bits, uint32_t shadow_bits)
 {
+	shadow_bits &= RENDER_SHADOW_HDR - 1;
 	if (!(light_bits & RENDER_LIGHTS_SHADOWS) || light_bits & RENDER_LIGHTS_GBUFFER)
 		return 0;
 	return shadow_bits & (light_bits & RENDER_LIGHTS_DEPTH ? RENDER_SHADOW_FLAT : ~RENDER_SHADOW_FLAT);
@@ -558,6 +572,7 @@ stilb_result render_programs_choose_beside(render_device *device, const stilb_re
 		[RENDER_FORMULA_LIGHTS] = light_bits,
 		[RENDER_FORMULA_SHADOWS] = choice_shadow_bits(light_bits, shadow_bits),
 		[RENDER_FORMULA_BESIDE] = beside,
+		[RENDER_FORMULA_HDR] = lit ? shadow_bits / RENDER_SHADOW_HDR : STILB_RENDER_HDR_HALF,
 	};
 	pthread_mutex_lock(&device->programs.lock);
 	render_formula_programs *choice = choice_find(&device->programs, formulas);
@@ -842,7 +857,7 @@ static stilb_result prepare_way(render_device *device, const stilb_render_view *
 	if (light_bits & RENDER_LIGHTS_SHADOWS && render_view_has_buffer(device, view)) {
 		if (result == STILB_OK)
 			result = prepare_terms(device, view, light_bits, kinds, surfaces, maps);
-		shadow_bits = RENDER_SHADOW_BUFFER;
+		shadow_bits = RENDER_SHADOW_BUFFER | (shadow_bits & ~(RENDER_SHADOW_HDR - 1));
 	}
 	if (result == STILB_OK && again != 0)
 		result = prepare_surfaces(device, view, again, shadow_bits, way.laid ? beside : 0, kinds, surfaces, maps);
@@ -853,8 +868,8 @@ static stilb_result prepare_way(render_device *device, const stilb_render_view *
 	if (result != STILB_OK || !(way.surfaces || way.apart))
 		return result;
 	render_formula_programs *lights;
-	result = render_programs_choose(device, &view->shading, render_deferred_bits(view, light_bits), shadow_bits, 0, 0,
-	                                &lights);
+	result = render_programs_choose(device, &view->shading, render_deferred_bits(view, light_bits),
+	                                shadow_bits & (RENDER_SHADOW_HDR - 1), 0, 0, &lights);
 	bool volumes = render_view_has_volumes(device, view);
 	return result == STILB_OK ? render_programs_deferred(device, lights, volumes) : result;
 }
@@ -899,12 +914,15 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		result = prepare_way(device, view, light_bits, beside, kinds, surfaces, maps);
 	if (result != STILB_OK || depth)
 		return result;
+	stilb_render_hdr hdr = render_view_hdr(view);
 	/* Of surroundings with a panorama sky and ground are shown until that is made. */
 	if (view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)
-		result = render_programs_backdrop(device, render_backdrop_kind_of(view, false));
+		result = render_programs_backdrop(device, render_backdrop_kind_of(view, false), hdr);
 	if (result == STILB_OK && view->backdrop.kind == STILB_SCENE_BACKDROP_SURROUNDINGS &&
 	    render_panorama_is_good(&view->surroundings.panorama))
-		result = render_programs_backdrop(device, RENDER_BACKDROP_PANORAMA);
+		result = render_programs_backdrop(device, RENDER_BACKDROP_PANORAMA, hdr);
+	if (result == STILB_OK && hdr != STILB_RENDER_HDR_HALF)
+		result = render_programs_hdr(device, hdr);
 	if (result == STILB_OK && view->show == STILB_RENDER_SHOW_ERROR)
 		result = render_programs_difference(device);
 	/* Both: which one frames need may change with the size and the cameras beside. */

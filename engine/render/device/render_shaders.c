@@ -416,6 +416,9 @@ static const uint32_t backdrop_panorama_frag[] =
 static const uint32_t resolve_frag[] =
 #include "resolve.frag.inc"
 	;
+static const uint32_t decode_frag[] =
+#include "decode.frag.inc"
+	;
 static const uint32_t tone_frag[] =
 #include "tone.frag.inc"
 	;
@@ -604,4 +607,5 @@ const stilb_gpu_shader render_impostor_depth_fragment[2] = {SHADER(impostor_dept
 const stilb_gpu_shader render_velocity_far_fragment = SHADER(velocity_far_frag);
 const stilb_gpu_shader render_backdrop_fragment[2] = {SHADER(backdrop_frag), SHADER(backdrop_panorama_frag)};
 const stilb_gpu_shader render_resolve_fragment = SHADER(resolve_frag);
+const stilb_gpu_shader render_decode_fragment = SHADER(decode_frag);
 const stilb_gpu_shader render_tone_fragment[2] = {SHADER(tone_frag), SHADER(tone_grade_frag)};

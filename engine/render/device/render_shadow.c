@@ -104,7 +104,7 @@ stilb_result render_shadow_use(render_device *device, const render_stream *strea
 	if (stream->lights.shadow_bits & RENDER_SHADOW_BUFFER) {
 		use.resource = target->terms;
 	} else if (stream->lights.bits & RENDER_LIGHTS_SHADOWS && shadows && shadows->map_count > 0) {
-		render_frame_target *maps = render_target_get(device, shadows->target);
+		render_frame_target *maps = render_target_get(device, shadows->target, STILB_RENDER_HDR_HALF);
 		use.resource = maps->depth;
 		use.layers = shadow_clear(device, shadows, maps);
 	} else {

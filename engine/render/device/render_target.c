@@ -82,6 +82,12 @@ static uint16_t target_lasting(render_device *device, render_frame_target *targe
 	return stilb_gpu_plan_image(device->plan, &row);
 }
 
+const stilb_gpu_format render_hdr_formats[STILB_RENDER_HDRS] = {
+	[STILB_RENDER_HDR_HALF] = STILB_GPU_RGBA16_F,
+	[STILB_RENDER_HDR_RGBM] = STILB_GPU_RGBA8_U,
+	[STILB_RENDER_HDR_LOGLUV] = STILB_GPU_RGBA8_U,
+};
+
 static void target_images(render_device *device, render_frame_target *target)
 {
 	const stilb_render_target *from = target->from;
@@ -97,12 +103,15 @@ static void target_images(render_device *device, render_frame_target *target)
 	target->color = target_image(device, target, name, "", STILB_GPU_RGBA16_F, 1, main || from->output);
 	target->depth = target_image(device, target, depth, main ? "" : "depth", STILB_GPU_D32_F, device->samples, false);
 	if (device->samples > 1)
-		target->samples = target_image(device, target, name, "samples", STILB_GPU_RGBA16_F, device->samples, false);
+		target->samples =
+			target_image(device, target, name, "samples", render_hdr_formats[target->hdr], device->samples, false);
+	else if (target->hdr != STILB_RENDER_HDR_HALF)
+		target->encoded = target_image(device, target, name, "encoded", render_hdr_formats[target->hdr], 1, false);
 }
 
 static_assert(STILB_RENDER_TARGET_NAME + sizeof " samples" <= STILB_GPU_MAX_NAME, "names of a target's images fit");
 
-render_frame_target *render_target_get(render_device *device, const stilb_render_target *from)
+render_frame_target *render_target_get(render_device *device, const stilb_render_target *from, stilb_render_hdr hdr)
 {
 	render_frame *frame = &device->frame;
 	for (uint32_t t = 0; t < frame->target_count; t++)
@@ -110,8 +119,10 @@ render_frame_target *render_target_get(render_device *device, const stilb_render
 			return &frame->targets[t];
 	STILB_ASSERT(frame->target_count < STILB_RENDER_MAX_PASSES);
 	render_frame_target *target = &frame->targets[frame->target_count++];
-	*target = (render_frame_target){
-		.from = from, .width = from ? from->width : device->width, .height = from ? from->height : device->height};
+	*target = (render_frame_target){.from = from,
+	                                .hdr = hdr,
+	                                .width = from ? from->width : device->width,
+	                                .height = from ? from->height : device->height};
 	target_images(device, target);
 	return target;
 }
@@ -221,9 +232,11 @@ void render_targets_resolve(render_device *device)
 	const render_frame *frame = &device->frame;
 	for (uint32_t t = 0; t < frame->target_count; t++) {
 		const render_frame_target *target = &frame->targets[t];
-		stilb_gpu_pass row = {.name = "resolve", .program = device->programs.resolve.id};
-		if (target->samples)
-			target_screen(device, row, target->samples,
+		stilb_gpu_pass row = {.name = target->samples ? "resolve" : "decode",
+		                      .program = target->samples ? device->programs.resolves[target->hdr].id
+		                                                 : device->programs.decodes[target->hdr].id};
+		if (target->samples || target->encoded)
+			target_screen(device, row, render_target_light(target),
 			              (stilb_gpu_attachment){.image = target->color, .load = STILB_GPU_LOAD_DISCARD},
 			              (stilb_gpu_sampler){0},
 			              (render_tone_push){.exposure = target->data ? 0.0f : target->exposure});

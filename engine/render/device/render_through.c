@@ -44,7 +44,7 @@ static void through_first(render_device *device, const render_stream *stream, co
 		.color_count = 1,
 		.color = {{.image = target->behind, .load = STILB_GPU_LOAD_DISCARD}},
 		.use_count = 2,
-		.uses = {{.resource = target->samples ? target->samples : target->color, .how = STILB_GPU_USE_SAMPLED},
+		.uses = {{.resource = render_target_light(target), .how = STILB_GPU_USE_SAMPLED},
 	             {.resource = target->depth, .how = STILB_GPU_USE_SAMPLED, .slot = 1}},
 		.program = device->programs.behind.id,
 		.constant_bytes = sizeof push,

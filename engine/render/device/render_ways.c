@@ -3,6 +3,8 @@
 #include "render/device/render_images.h"
 #include "render/render_internal.h"
 
+#include <string.h>
+
 const stilb_gpu_format render_gbuffer_formats[STILB_RENDER_GBUFFER_KINDS][1 + RENDER_GBUFFER_IMAGES] = {
 	[STILB_RENDER_GBUFFER_WIDE] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA16_U, STILB_GPU_RGBA16_U, STILB_GPU_RGBA16_U},
 	[STILB_RENDER_GBUFFER_RGBA8] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U},
@@ -23,7 +25,7 @@ bool render_view_lighting_is_known(const stilb_render_view *view)
 	       (uint32_t)view->deferred.coverage < STILB_RENDER_COVERAGE_WAYS &&
 	       (uint32_t)view->deferred.gbuffer < STILB_RENDER_GBUFFER_KINDS &&
 	       (uint32_t)view->light_lists < STILB_RENDER_LIGHT_LISTS_WAYS &&
-	       (uint32_t)view->ambient < STILB_RENDER_AMBIENT_KINDS;
+	       (uint32_t)view->ambient < STILB_RENDER_AMBIENT_KINDS && (uint32_t)view->hdr < STILB_RENDER_HDRS;
 }
 
 bool stilb_render_lighting_is_of_one_sample(stilb_render_lighting way)
@@ -128,12 +130,22 @@ uint32_t render_unlit_around_bits(uint32_t light_bits)
 
 /* ---- shadows ----------------------------------------------------------------------------------------------------- */
 
+stilb_render_hdr render_view_hdr(const stilb_render_view *view)
+{
+	bool adds = ways[view->lighting].surfaces || view->lighting == STILB_RENDER_LIGHTING_MULTIPASS;
+	bool main = !view->target || (view->target->kind == STILB_RENDER_TARGET_LIGHT &&
+	                              strcmp(view->target->name, STILB_RENDER_IMAGE_COLOR) == 0);
+	bool light = main && view->show == STILB_RENDER_SHOW_SHADED && view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING;
+	return light && !adds && !view->ambient_apart ? view->hdr : STILB_RENDER_HDR_HALF;
+}
+
 uint32_t render_shadow_bits(const stilb_render_view *view)
 {
 	const stilb_render_shadow_reading *reading = &view->shadow_reading;
 	if (render_view_is_depth(view))
 		return view->shadow_flat ? RENDER_SHADOW_FLAT : 0;
-	return (view->show == STILB_RENDER_SHOW_CASCADES ? RENDER_SHADOW_CASCADES : 0) |
+	return RENDER_SHADOW_HDR * (uint32_t)render_view_hdr(view) |
+	       (view->show == STILB_RENDER_SHOW_CASCADES ? RENDER_SHADOW_CASCADES : 0) |
 	       (view->show == STILB_RENDER_SHOW_ACNE ? RENDER_SHADOW_ACNE : 0) |
 	       (reading->no_plane ? RENDER_SHADOW_NO_PLANE : 0) | (reading->no_way ? RENDER_SHADOW_NO_WAY : 0) |
 	       (reading->things ? RENDER_SHADOW_THINGS : 0) | RENDER_SHADOW_TAPS * reading->taps;
@@ -160,5 +172,5 @@ uint32_t render_terms_image_bits(const stilb_render_view *view, uint32_t light_b
 
 uint32_t render_terms_shadow_bits(uint32_t shadow_bits, bool mask)
 {
-	return shadow_bits | RENDER_SHADOW_TERMS | (mask ? RENDER_SHADOW_MASK : 0);
+	return (shadow_bits & (RENDER_SHADOW_HDR - 1)) | RENDER_SHADOW_TERMS | (mask ? RENDER_SHADOW_MASK : 0);
 }

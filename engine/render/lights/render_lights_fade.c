@@ -20,7 +20,7 @@ render_lights_fade render_lights_fade_of(const stilb_render *render, const stilb
 {
 	uint32_t height = render_view_fade_height(render, view);
 	const float *m = view->view_projection.m;
-	float up = sqrtf(m[1] * m[1] + m[5] * m[5] + m[9] * m[9]), along = sqrtf(m[3] * m[3] + m[7] * m[7] + m[11] * m[11]);
+	float up = render_view_scale(&view->view_projection, 1), along = sqrtf(m[3] * m[3] + m[7] * m[7] + m[11] * m[11]);
 	bool parallel = !(along > 0.0f);
 	return (render_lights_fade){.pixels = view->light_fade,
 	                            .scale = 0.5f * (float)height * up / (parallel ? fabsf(m[15]) : along),

@@ -20,6 +20,8 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Ba
 #define SKY 1u
 #define MAP 3u
 layout(constant_id = 0) const uint kind = MAP;
+#define HDR_CONSTANT 1
+#include "hdr/hdr.glsl"
 
 #ifdef BACKDROP_PANORAMA
 layout(set = 0, binding = 0) uniform sampler2D panorama;
@@ -35,6 +37,7 @@ layout(push_constant, std430) uniform Push {
 	vec4 floor_radius; // of a floor its center; of a sky that below
 	vec2 turn;         // of the panorama: sine and cosine of its rotation
 	Backdrop backdrop;
+	float exposure; // factor of radiance, where it is kept as exposed
 } push;
 
 layout(location = 0) in vec2 uv; // of the picture, 0..1
@@ -102,7 +105,7 @@ void main()
 	vec2 clip = uv * 2.0 - 1.0;
 	vec3 direction = normalize(push.ahead.xyz + clip.x * push.across.xyz + clip.y * push.down.xyz);
 #ifdef BACKDROP_PANORAMA
-	color = vec4(panorama_at(direction), 1.0);
+	vec3 radiance = panorama_at(direction);
 #else
 	vec3 radiance;
 	if (kind == FLOOR)
@@ -112,6 +115,6 @@ void main()
 			clamp(direction.y / max(fwidth(direction.y), 1e-9) + 0.5, 0.0, 1.0)); // an edge one pixel wide
 	else
 		radiance = map_at(direction);
-	color = vec4(radiance, 1.0);
 #endif
+	color = hdr == HDR_HALF ? vec4(radiance, 1.0) : hdr_encoded(radiance * push.exposure);
 }

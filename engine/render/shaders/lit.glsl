@@ -6,6 +6,8 @@
 #include "../../shading/shade_sh.h"
 #include "../../shading/shade_surface.h"
 #include "faded.glsl"
+#define HDR_CONSTANT 13
+#include "hdr/hdr.glsl"
 
 // The materials that the program draws: 0 all, 1 those with an even index, 2 those with an odd one; others are black.
 // 3: the one whose address is bound.
@@ -618,5 +620,7 @@ vec4 picture_color(vec3 radiance, uint material)
 	if (lights_counted)
 		return counted_color();
 #endif
+	if (hdr != HDR_HALF)
+		return hdr_encoded(black ? vec3(0.0) : radiance * push.view.rest.exposure);
 	return vec4(black ? vec3(0.0) : radiance, adds_lights ? 0.0 : 1.0);
 }

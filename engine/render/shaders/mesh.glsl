@@ -116,7 +116,8 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	vec4 harmonics[9];
 	vec4 mirrored; // the share of their bands that highlights have at most
 	vec2 jitter;   // of clip space: by which view_projection moves what is drawn
-	vec2 unused;
+	float exposure; // factor of radiance, where it is kept as exposed (hdr/hdr.glsl)
+	float unused;
 };
 
 // As render_view_push: what pixels read of a view. Software devices load from a buffer lane by lane, from constants at

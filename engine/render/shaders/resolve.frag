@@ -1,4 +1,7 @@
 #version 460
+#extension GL_GOOGLE_include_directive : require
+#define HDR_CONSTANT 1
+#include "hdr/hdr.glsl"
 
 layout(constant_id = 0) const int samples = 4;
 
@@ -17,7 +20,10 @@ void main()
 	vec3 sum = vec3(0.0);
 	float weights = 0.0, covered = 0.0;
 	for (int i = 0; i < samples; i++) {
-		vec4 texel = min(texelFetch(light, ivec2(gl_FragCoord.xy), i), 65504.0); // not infinite
+		vec4 texel = texelFetch(light, ivec2(gl_FragCoord.xy), i);
+		if (hdr != HDR_HALF)
+			texel = vec4(hdr_decoded(texel) / push.exposure, 1.0);
+		texel = min(texel, 65504.0); // not infinite
 		float weight = 1.0 / (1.0 + push.exposure * max(texel.r, max(texel.g, texel.b)));
 		sum += weight * texel.rgb;
 		weights += weight * texel.a;
