@@ -663,8 +663,6 @@ void engine_clips_draw(stilb_engine *engine, stilb_ui *ui);
 /* windows/engine_effects.c: the effects' window. */
 /* settings: those of frames. What the user has chosen the next frame takes. */
 void engine_effects_draw(engine_effects *effects, stilb_ui *ui, const stilb_post_settings *settings);
-/* Takes what the user has changed. */
-void engine_effects_choose(stilb_engine *engine);
 
 /* windows/engine_lights.c: the lights' window. */
 void engine_lights_draw(stilb_engine *engine, stilb_ui *ui);

@@ -392,13 +392,30 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 	return result;
 }
 
+/* Takes what the user has changed in the effects' window. */
+static void frame_choose_effects(stilb_engine *engine)
+{
+	engine_effects *effects = &engine->overlay.effects;
+	effects->saves = engine->desc.saves;
+	if (!effects->changed)
+		return;
+	bool adapted = engine->desc.post.exposure_adapts, adapts = effects->chosen.exposure_adapts;
+	bool based = engine->exposure_based;
+	float base = engine->exposure_base;
+	stilb_engine_set_post(engine, &effects->chosen);
+	if (adapts)
+		engine->exposure_base = adapted ? base : engine->scene ? engine->scene->camera.exposure : 0.0f;
+	engine->exposure_based = adapts && (!adapted || based);
+	effects->changed = false;
+}
+
 stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *report)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(report);
 	engine_pictures_tell(engine);
 	engine_watch_tell(engine);
-	engine_effects_choose(engine);
+	frame_choose_effects(engine);
 	engine->report = (stilb_engine_report){.frame = engine->frame, .saves_look = engine->overlay.effects.save};
 	engine->overlay.effects.save = false;
 	stilb_result result = frame_window(engine, &engine->report);

@@ -186,19 +186,3 @@ void engine_effects_draw(engine_effects *effects, stilb_ui *ui, const stilb_post
 	effects->chosen = effects->without ? none : effects->kept;
 	effects->changed |= changed;
 }
-
-void engine_effects_choose(stilb_engine *engine)
-{
-	engine_effects *effects = &engine->overlay.effects;
-	effects->saves = engine->desc.saves;
-	if (!effects->changed)
-		return;
-	bool adapted = engine->desc.post.exposure_adapts, adapts = effects->chosen.exposure_adapts;
-	bool based = engine->exposure_based;
-	float base = engine->exposure_base;
-	stilb_engine_set_post(engine, &effects->chosen);
-	if (adapts)
-		engine->exposure_base = adapted ? base : engine->scene ? engine->scene->camera.exposure : 0.0f;
-	engine->exposure_based = adapts && (!adapted || based);
-	effects->changed = false;
-}

@@ -85,7 +85,22 @@ static float line_x(const stage *s, float share)
 	return place.x0 + 16.0f + share * (place.x1 - place.x0 - 32.0f);
 }
 
-enum { WITHOUT, OCCLUSION, RADIUS, MOTION, LONGEST, BLOOM, BLOOM_WIDTH, IMAGES, PLACE, DITHER, AA, MIRROR, LENS };
+enum {
+	WITHOUT,
+	EXPOSURE,
+	OCCLUSION,
+	RADIUS,
+	MOTION,
+	LONGEST,
+	BLOOM,
+	BLOOM_WIDTH,
+	IMAGES,
+	PLACE,
+	DITHER,
+	AA,
+	MIRROR,
+	LENS
+};
 
 static void effects_are_switched(void **state)
 {
@@ -156,11 +171,66 @@ static void frames_without_them(void **state)
 	stage_close(&s);
 }
 
+/* What a scene's camera was metered to and what adapts are never added up; and a scene that comes has its own. */
+static void exposure_counts_once(void **state)
+{
+	(void)state;
+	stage s = stage_open();
+	s.scene->camera.exposure = 3.0f;
+	stage_press(&s, STILB_WINDOW_KEY_F6);
+	assert_true(s.engine->views[0].exposure == 3.0f);
+	stage_drag(&s, line_x(&s, 0.0f), line_y(&s, EXPOSURE), 0.0f);
+	assert_true(stilb_engine_post(s.engine).exposure_adapts);
+	assert_true(s.engine->views[0].exposure == stilb_post_exposure(s.engine->post));
+	s.scene->camera.exposure = 4.0f; /* by the user, on top of it */
+	stage_frame_with(&s, (stilb_window_state){0});
+	assert_true(s.engine->views[0].exposure == stilb_post_exposure(s.engine->post) + 1.0f);
+	stilb_scene *next;
+	assert_int_equal(stilb_scene_create_stress(4, 9, &next), STILB_OK);
+	next->camera.exposure = -2.0f;
+	assert_int_equal(stilb_engine_set_scene(s.engine, next), STILB_OK);
+	stage_frame_with(&s, (stilb_window_state){0});
+	assert_true(s.engine->views[0].exposure == stilb_post_exposure(s.engine->post));
+	stage_drag(&s, line_x(&s, 0.0f), line_y(&s, EXPOSURE), 0.0f);
+	stage_frame_with(&s, (stilb_window_state){0});
+	assert_false(stilb_engine_post(s.engine).exposure_adapts);
+	assert_true(s.engine->views[0].exposure == -2.0f);
+	assert_int_equal(stilb_engine_set_scene(s.engine, s.scene), STILB_OK);
+	stilb_scene_destroy(next);
+	stage_close(&s);
+}
+
+/* The button that saves them is there where the program does so, and tells it once. */
+static void looks_are_saved(void **state)
+{
+	(void)state;
+	stage s = stage_open();
+	stilb_engine_report report;
+	stage_press(&s, STILB_WINDOW_KEY_F6);
+	stage_drag(&s, line_x(&s, 0.5f), line_y(&s, 1), 0.0f); /* another line */
+	s.engine->desc.saves = true;
+	stage_frame_with(&s, (stilb_window_state){0});
+	stilb_window_state state_of = {
+		.pointer = true, .pointer_x = line_x(&s, 0.5f), .pointer_y = line_y(&s, 1), .width = WIDTH, .height = HEIGHT};
+	uint32_t told = 0;
+	for (uint32_t frame = 0; frame < 6; frame++) {
+		state_of.button = frame == 1 || frame == 2;
+		state_of.clicks = frame == 1;
+		assert_int_equal(stilb_engine_input(s.engine, &state_of), STILB_OK);
+		assert_int_equal(stilb_engine_frame(s.engine, &report), STILB_OK);
+		told += report.saves_look;
+	}
+	assert_int_equal(told, 1);
+	stage_close(&s);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(effects_are_switched),
 		cmocka_unit_test(frames_without_them),
+		cmocka_unit_test(exposure_counts_once),
+		cmocka_unit_test(looks_are_saved),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -165,6 +165,13 @@ static stilb_result add_meter(void *user, stilb_gpu_plan *plan, uint16_t *image)
 	return STILB_OK;
 }
 
+static stilb_result add_drawn(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	(void)plan;
+	note(user, STILB_RENDER_STAGE_DRAWN, *image);
+	return STILB_OK;
+}
+
 static void make_programs(stilb_engine *engine, stages *s)
 {
 	stilb_gpu *gpu = stilb_engine_gpu(engine);
@@ -272,6 +279,7 @@ static void stages_come_in_their_order(void **state)
 	add(engine, &s, STILB_RENDER_STAGE_REFLECTION, add_reflection);
 	add(engine, &s, STILB_RENDER_STAGE_AMBIENT, add_ambient);
 	add(engine, &s, STILB_RENDER_STAGE_FIRST, add_first);
+	add(engine, &s, STILB_RENDER_STAGE_DRAWN, add_drawn);
 	add(engine, &s, STILB_RENDER_STAGE_LIGHT, add_meter);
 	assert_int_equal(draw(engine), STILB_OK);
 	assert_int_equal(s.count, STILB_RENDER_STAGES);
@@ -281,6 +289,7 @@ static void stages_come_in_their_order(void **state)
 	assert_int_equal(s.images[STILB_RENDER_STAGE_FIRST], 0);
 	assert_int_equal(s.images[STILB_RENDER_STAGE_AMBIENT], stilb_gpu_plan_find(plan, "ambient"));
 	assert_int_equal(s.images[STILB_RENDER_STAGE_REFLECTION], stilb_gpu_plan_find(plan, "reflection"));
+	assert_int_equal(s.images[STILB_RENDER_STAGE_DRAWN], stilb_gpu_plan_find(plan, "color"));
 	assert_int_equal(s.images[STILB_RENDER_STAGE_LIGHT], stilb_gpu_plan_find(plan, "color"));
 	assert_int_equal(s.images[STILB_RENDER_STAGE_PICTURE], stilb_gpu_plan_find(plan, "picture"));
 	assert_int_equal(s.images[STILB_RENDER_STAGE_LAST], stilb_gpu_plan_find(plan, "photograph of the picture"));

@@ -82,12 +82,6 @@ static uint16_t target_lasting(render_device *device, render_frame_target *targe
 	return stilb_gpu_plan_image(device->plan, &row);
 }
 
-const stilb_gpu_format render_hdr_formats[STILB_RENDER_HDRS] = {
-	[STILB_RENDER_HDR_HALF] = STILB_GPU_RGBA16_F,
-	[STILB_RENDER_HDR_RGBM] = STILB_GPU_RGBA8_U,
-	[STILB_RENDER_HDR_LOGLUV] = STILB_GPU_RGBA8_U,
-};
-
 static void target_images(render_device *device, render_frame_target *target)
 {
 	const stilb_render_target *from = target->from;

@@ -10,6 +10,12 @@ const stilb_gpu_format render_gbuffer_formats[STILB_RENDER_GBUFFER_KINDS][1 + RE
 	[STILB_RENDER_GBUFFER_RGBA8] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U},
 };
 
+const stilb_gpu_format render_hdr_formats[STILB_RENDER_HDRS] = {
+	[STILB_RENDER_HDR_HALF] = STILB_GPU_RGBA16_F,
+	[STILB_RENDER_HDR_RGBM] = STILB_GPU_RGBA8_U,
+	[STILB_RENDER_HDR_LOGLUV] = STILB_GPU_RGBA8_U,
+};
+
 static const render_way ways[STILB_RENDER_LIGHTING_WAYS] = {
 	[STILB_RENDER_LIGHTING_DEFERRED] = {.surfaces = true},
 	[STILB_RENDER_LIGHTING_TILED_DEFERRED] = {.surfaces = true, .tiles = true},
