@@ -152,6 +152,7 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 		last->view_projection = view->view_projection; /* it has not moved so far */
 	view->surfaces = engine_draws_surfaces(engine);
 	view->ids = engine_draws_ids(engine);
+	view->blended = number == 0 && engine->desc.post.dof != STILB_POST_DOF_OFF;
 	view->last = engine_draws_velocity(engine) ? &last->view_projection : NULL;
 }
 

@@ -395,6 +395,19 @@ stilb_result stilb_gi_render_denoise(stilb_gi_render *render);
  * other endings; STILB_ERROR_FILE; STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_gi_render_save(stilb_gi_render *render, const char *path);
 
+/* What a .png shows besides exposure and tone map. */
+typedef struct stilb_gi_grade {
+	/* The colour that codes of sRGB over 255 become, likewise; NULL: they stay. */
+	void (*at)(const void *user, const float code[3], float out[3]);
+	const void *user;
+	bool dither; /* up to a code more or less by the pixel, evenly about what is shown, before it is rounded; a
+	                triangle, as stilb_render_dither has it: the mean stays, and slow gradients have no bands */
+} stilb_gi_grade;
+
+/* The same; grade counts for .png of light alone: other files keep radiance, and channels are what they are.
+ * NULL: none. */
+stilb_result stilb_gi_render_save_graded(stilb_gi_render *render, const char *path, const stilb_gi_grade *grade);
+
 /* Writes everything that another process needs to continue with stilb_gi_render_resume: there the same settings, scene,
  * binary and instruction set give the same bits as a render that was never stopped. Whole or not at all; not while run
  * runs. Errors: STILB_ERROR_FILE. [main-thread] */

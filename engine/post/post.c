@@ -15,6 +15,7 @@ const char *const stilb_post_place_names[] = {STILB_POST_PLACES(POST_NAME) NULL}
 const char *const stilb_post_dither_names[] = {STILB_POST_DITHERS(POST_NAME) NULL};
 const char *const stilb_post_aa_names[] = {STILB_POST_AAS(POST_NAME) NULL};
 const char *const stilb_post_reflections_names[] = {STILB_POST_REFLECTIONS_WAYS(POST_NAME) NULL};
+const char *const stilb_post_motion_names[] = {STILB_POST_MOTIONS(POST_NAME) NULL};
 const char *const stilb_post_dof_names[] = {STILB_POST_DOFS(POST_NAME) NULL};
 
 static bool post_is_share(float value)
@@ -31,7 +32,8 @@ bool stilb_post_settings_are_valid(const stilb_post_settings *settings)
 	       (unsigned)settings->place < STILB_POST_PLACES_COUNT &&
 	       (unsigned)settings->dither < STILB_POST_DITHERS_COUNT && post_exposure_is_valid(settings) &&
 	       (unsigned)settings->aa < STILB_POST_AA_COUNT && post_is_share(settings->motion_blur) &&
-	       post_is_share(settings->motion_blur_most) &&
+	       post_is_share(settings->motion_blur_most) && (unsigned)settings->motion < STILB_POST_MOTION_COUNT &&
+	       settings->motion_blur_far >= 0.0f && isfinite(settings->motion_blur_far) &&
 	       (unsigned)settings->reflections < STILB_POST_REFLECTIONS_COUNT && post_lens_is_valid(settings);
 }
 
@@ -43,6 +45,8 @@ stilb_post_settings stilb_post_settings_filled(const stilb_post_settings *settin
 		filled.bloom_width = POST_BLOOM_DEFAULT_WIDTH;
 	if (filled.motion_blur_most == 0.0f)
 		filled.motion_blur_most = POST_MOTION_DEFAULT_MOST;
+	if (filled.motion_blur_far == 0.0f)
+		filled.motion_blur_far = POST_MOTION_DEFAULT_FAR;
 	if (filled.occlusion_radius == 0.0f)
 		filled.occlusion_radius = POST_OCCLUSION_DEFAULT_RADIUS;
 	post_exposure_defaults(&filled);

@@ -28,7 +28,8 @@
  *            or above 200 pixels, are cut to that. What is nearer than the plane in focus is apart from the rest: it
  *            covers what is behind it as far as it spreads, while what is in focus keeps its edges, and nothing that
  *            lies behind another thing spreads over it. What near things hide is not known, and is taken from around.
- *            Blended surfaces have the depth of what lies behind them. Frames have one sample a pixel and a
+ *            What blends counts with its own depth where its alpha is at least its cutoff, and what is seen through it
+ *            there with it; elsewhere with that of what lies behind. Frames have one sample a pixel and a
  *            perspective: others are left as they are. NaN and infinite light spreads nowhere.
  *            With LERP light is blurred whatever its depth, by two radii, and each pixel has what lies linearly between
  *            these and its own: small and large blur of Karis, "Uncharted 2" (2010).
@@ -52,6 +53,9 @@
  *            vertices. A pixel gathers along the longest movement of the tiles around it what passes over it in front
  *            of what it shows, each for its share of the time; then its own surface along its own movement; and what is
  *            left of the time shows what lies behind, as it is nearest by. Views need `last`, and show SHADED.
+ *            With FAR the camera's movement alone blurs, and only what is far away: in half the width and height, 16
+ *            samples along the way; what is nearer than `motion_blur_far` stays sharp and gives nothing, from there to
+ *            twice as far the blur sets in (Karis, "Uncharted 2", 2010).
  * Edges      A filter of the picture in display codes, not of radiance. An edge is where luma changes by 0.04 and by a
  *            tenth; a pixel next to it takes that share of the one across it which a straight line between the edge's
  *            ends would cover.
@@ -123,6 +127,17 @@ typedef enum stilb_post_reflections {
 #undef STILB_POST_REFLECTIONS_ENUM
 /* Their identifiers, NULL-terminated; the index is the stilb_post_reflections. */
 extern const char *const stilb_post_reflections_names[];
+
+/* What motion blur blurs. */
+#define STILB_POST_MOTIONS(X)                                                                                          \
+	X(ALL, "all", "what passes a pixel, by tiles")                                                                     \
+	X(FAR, "far", "what is far away, by the camera's movement, in a quarter of the pixels")
+
+#define STILB_POST_MOTION_ENUM(id, ...) STILB_POST_MOTION_##id,
+typedef enum stilb_post_motion { STILB_POST_MOTIONS(STILB_POST_MOTION_ENUM) STILB_POST_MOTION_COUNT } stilb_post_motion;
+#undef STILB_POST_MOTION_ENUM
+/* Their identifiers, NULL-terminated; the index is the stilb_post_motion. */
+extern const char *const stilb_post_motion_names[];
 
 /* How depth of field blurs. */
 #define STILB_POST_DOFS(X)                                                                                             \
@@ -196,6 +211,8 @@ typedef struct stilb_post_settings {
 	float exposure_darkest, exposure_brightest; /* what it lies between, stops, -32..32, in order; both 0: -16 and 16 */
 	float motion_blur; /* the share of a frame while the shutter is open, 0..1; 0: there is no such row. Films: .5 */
 	float motion_blur_most;             /* of the picture's height, what the longest way is cut to, 0..1; 0: 0.1 */
+	stilb_post_motion motion;           /* what is blurred by it */
+	float motion_blur_far;              /* metres along the view, of FAR, >= 0 and finite; 0: 10 */
 	stilb_post_aa aa;                   /* besides several samples a pixel, with which each goes */
 	stilb_post_reflections reflections; /* OFF: there are no such rows */
 	stilb_post_dof dof;                 /* OFF: there is no such row */

@@ -8,6 +8,7 @@
 
 #define POST_BLOOM_DEFAULT_WIDTH 0.6f
 #define POST_MOTION_DEFAULT_MOST 0.1f
+#define POST_MOTION_DEFAULT_FAR 10.0f      /* metres */
 #define POST_OCCLUSION_DEFAULT_RADIUS 1.0f /* metres */
 
 typedef enum post_program {
@@ -25,6 +26,8 @@ typedef enum post_program {
 	POST_MOTION_TILES,
 	POST_MOTION_AROUND,
 	POST_MOTION,
+	POST_MOTION_FAR,
+	POST_MOTION_FAR_SHOW,
 	POST_EDGES,
 	POST_PROGRAMS
 } post_program;
@@ -140,7 +143,7 @@ extern const stilb_gpu_shader post_shader_exposure;
 extern const stilb_gpu_shader post_shader_occlusion, post_shader_occlusion_smooth, post_shader_occlusion_apply;
 extern const stilb_gpu_shader post_shader_temporal, post_shader_edges;
 extern const stilb_gpu_shader post_shader_motion_kept, post_shader_motion_tile, post_shader_motion_around,
-	post_shader_motion;
+	post_shader_motion, post_shader_motion_far, post_shader_motion_far_show;
 extern const stilb_gpu_shader post_shader_reflections_light, post_shader_reflections_nearest,
 	post_shader_reflections_place;
 extern const stilb_gpu_shader post_shader_reflections_trace, post_shader_reflections_apply;

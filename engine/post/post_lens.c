@@ -26,9 +26,9 @@ typedef struct lens_frame {
 	stilb_post *post;
 	stilb_gpu_plan *plan;
 	lens_push push;
-	uint32_t width, height; /* pixels */
-	uint16_t light, depth;
-	uint16_t levels, soft; /* `soft` begins with the second level */
+	uint32_t width, height;         /* pixels */
+	uint16_t light, depth, blended; /* blended: depth, where nothing blends */
+	uint16_t levels, soft;          /* `soft` begins with the second level */
 } lens_frame;
 
 static const struct {
@@ -36,7 +36,7 @@ static const struct {
 	const stilb_gpu_shader *shader;
 	uint8_t samplers;
 } lens_programs[POST_LENS_PROGRAMS] = {
-	[POST_LENS_LIGHT] = {"defocus", &post_shader_lens_light, 2},
+	[POST_LENS_LIGHT] = {"defocus", &post_shader_lens_light, 3},
 	[POST_LENS_HALVE_FIRST] = {"defocus halved", &post_shader_lens_halve, 2},
 	[POST_LENS_HALVE] = {"defocus halved", &post_shader_lens_halve, 2},
 	[POST_LENS_TILES] = {"defocus tiles", &post_shader_lens_tiles, 1},
@@ -162,8 +162,9 @@ static stilb_result lens_levels(lens_frame *frame)
 	                                                                            .width = lens_half(frame->width),
 	                                                                            .height = lens_half(frame->height),
 	                                                                            .mips = (uint16_t)(levels - 1)});
-	stilb_gpu_pass first = {.color = {{.image = frame->levels}},
-	                        .uses = {{.resource = frame->light}, {.resource = frame->depth}}};
+	stilb_gpu_pass first = {
+		.color = {{.image = frame->levels}},
+		.uses = {{.resource = frame->light}, {.resource = frame->depth}, {.resource = frame->blended}}};
 	stilb_result result = lens_pass(frame, POST_LENS_LIGHT, first);
 	for (uint32_t l = 1; l < levels && result == STILB_OK; l++) {
 		stilb_gpu_use from = {.resource = frame->levels, .mip = (uint8_t)(l - 1), .mips = 1};
@@ -235,6 +236,8 @@ stilb_result post_lens_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *lig
 	                    .height = extent->height,
 	                    .light = *light,
 	                    .depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH)};
+	frame.blended = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_BLENDED_DEPTH);
+	frame.blended = frame.blended != 0 ? frame.blended : frame.depth;
 	if (frame.depth == 0 || stilb_gpu_plan_extent(plan, frame.depth)->samples > 1 ||
 	    !lens_optics(post, row.height, &frame.push))
 		return STILB_OK;

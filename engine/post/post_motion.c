@@ -13,6 +13,13 @@ typedef struct motion_push {
 	float half_way, longest;
 } motion_push;
 
+/* Of what is far away. */
+typedef struct far_push {
+	float to_last[16], ahead_row[4];
+	float half_size[2];
+	float half_way, longest, far;
+} far_push;
+
 typedef struct motion_chain {
 	stilb_post *post;
 	stilb_gpu_plan *plan;
@@ -49,6 +56,61 @@ static stilb_result motion_pass(motion_chain *chain, const char *name, post_prog
 	return STILB_OK;
 }
 
+/* Adds a pass of the camera's blur of what is far away. */
+static stilb_result far_pass(stilb_post *post, stilb_gpu_plan *plan, const far_push *push, post_program number,
+                             stilb_gpu_pass pass)
+{
+	stilb_gpu_program program;
+	stilb_result result = post_program_get(post, STILB_POST_BLOOM_HALF, number, &program);
+	if (result != STILB_OK)
+		return result;
+	bool shows = number == POST_MOTION_FAR_SHOW;
+	pass.name = shows ? "motion blur" : "far blur";
+	pass.kind = STILB_GPU_PASS_FULLSCREEN;
+	pass.program = program.id;
+	pass.color_count = 1;
+	pass.color[0].load = STILB_GPU_LOAD_DISCARD;
+	pass.use_count = shows ? 3 : 2;
+	for (uint32_t u = 0; u < pass.use_count; u++) {
+		pass.uses[u].how = STILB_GPU_USE_SAMPLED;
+		pass.uses[u].slot = (uint16_t)u;
+	}
+	memcpy(pass.constants, push, sizeof *push);
+	pass.constant_bytes = sizeof *push;
+	stilb_gpu_plan_pass(plan, &pass);
+	return STILB_OK;
+}
+
+static stilb_result far_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light, uint16_t depth)
+{
+	stilb_gpu_extent extent = *stilb_gpu_plan_extent(plan, *light);
+	const stilb_post_settings *settings = &post->settings;
+	far_push push = {.half_size = {0.5f * (float)extent.width, 0.5f * (float)extent.height},
+	                 .half_way = 0.5f * settings->motion_blur,
+	                 .longest = fmaxf(0.5f * settings->motion_blur_most * (float)extent.height, 1.0f),
+	                 .far = settings->motion_blur_far};
+	memcpy(push.to_last, post->to_last.m, sizeof push.to_last);
+	for (int c = 0; c < 4; c++)
+		push.ahead_row[c] = post->from_clip.m[4 * c + 3];
+	stilb_gpu_plan_image_row row = {.name = "far blurred",
+	                                .format = extent.format,
+	                                .width = (extent.width + 1) / 2,
+	                                .height = (extent.height + 1) / 2};
+	uint16_t small = stilb_gpu_plan_image(plan, &row);
+	row = (stilb_gpu_plan_image_row){
+		.name = "blurred", .format = extent.format, .width = extent.width, .height = extent.height};
+	uint16_t blurred = stilb_gpu_plan_image(plan, &row);
+	stilb_gpu_pass blur = {.color = {{.image = small}}, .uses = {{.resource = *light}, {.resource = depth}}};
+	stilb_gpu_pass show = {
+		.color = {{.image = blurred}},
+		.uses = {{.resource = *light}, {.resource = depth}, {.resource = small, .sampler = (uint8_t)post->linear.id}}};
+	stilb_result result = far_pass(post, plan, &push, POST_MOTION_FAR, blur);
+	if (result == STILB_OK)
+		result = far_pass(post, plan, &push, POST_MOTION_FAR_SHOW, show);
+	*light = blurred;
+	return result;
+}
+
 stilb_result post_motion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light)
 {
 	stilb_gpu_extent extent = *stilb_gpu_plan_extent(plan, *light);
@@ -57,6 +119,8 @@ stilb_result post_motion_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *l
 	uint16_t depth = post_velocity_depth(plan);
 	if (velocity == 0 || depth == 0 || extent.format != STILB_GPU_RGBA16_F)
 		return STILB_OK;
+	if (post->settings.motion == STILB_POST_MOTION_FAR)
+		return far_add(post, plan, light, depth);
 	float longest = fmaxf(0.5f * post->settings.motion_blur_most * (float)height, 1.0f);
 	motion_chain chain = {post, plan, {.half_way = 0.5f * post->settings.motion_blur, .longest = longest}};
 	for (int c = 0; c < 4; c++)

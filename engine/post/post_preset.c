@@ -122,6 +122,8 @@ static const preset_field preset_fields[] = {
 	{"aa", PRESET_CHOICE, AT(aa), 0.0f, 0.0f, stilb_post_aa_names},
 	{"motion_blur", PRESET_NUMBER, AT(motion_blur), 0.0f, 1.0f, NULL},
 	{"motion_blur_most", PRESET_NUMBER, AT(motion_blur_most), 0.0f, 1.0f, NULL},
+	{"motion_blur_of", PRESET_CHOICE, AT(motion), 0.0f, 0.0f, stilb_post_motion_names},
+	{"motion_blur_far", PRESET_NUMBER, AT(motion_blur_far), 0.0f, PRESET_FAR, NULL},
 	{"reflections", PRESET_CHOICE, AT(reflections), 0.0f, 0.0f, stilb_post_reflections_names},
 	{"dof", PRESET_CHOICE, AT(dof), 0.0f, 0.0f, stilb_post_dof_names},
 	{"aperture", PRESET_NUMBER, AT(aperture), 0.0f, PRESET_FAR, NULL},

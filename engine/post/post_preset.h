@@ -6,7 +6,7 @@
  *     "exposure_percentiles": [0.7, 0.97], "exposure_speed": 2, "exposure_rate": 4, "exposure_range": [-16, 16],
  *     "ao": 1, "ao_radius": 2,
  *     "bloom": 0.06, "bloom_width": 0.6, "bloom_format": "half", "post": "auto",
- *     "aa": "temporal", "motion_blur": 0.5, "motion_blur_most": 0.1,
+ *     "aa": "temporal", "motion_blur": 0.5, "motion_blur_most": 0.1, "motion_blur_of": "far", "motion_blur_far": 10,
  *     "reflections": "cones", "dof": "bokeh", "aperture": 0.02, "focus": 5, "blades": 5,
  *     "tone": "piecewise", "grade": "warm.cube", "dither": "triangular",
  *     "areas": [{"low": [-4, 0, -3], "high": [0, 3, 3], "blend": 1, "exposure": 0.5, "grade": "cold.cube"}]

@@ -45,6 +45,8 @@ stilb_result post_program_get(stilb_post *post, post_program number, stilb_gpu_p
 		[POST_MOTION_TILES] = {"blur tiles", &post_shader_motion_tile, 1},
 		[POST_MOTION_AROUND] = {"blur tiles around", &post_shader_motion_around, 1},
 		[POST_MOTION] = {"motion blur", &post_shader_motion, 4},
+		[POST_MOTION_FAR] = {"far blur", &post_shader_motion_far, 2},
+		[POST_MOTION_FAR_SHOW] = {"motion blur", &post_shader_motion_far_show, 3},
 		[POST_TEMPORAL] = {"temporal antialiasing", &post_shader_temporal, 7},
 	};
 	stilb_post_bloom_format format =

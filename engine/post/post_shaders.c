@@ -38,6 +38,12 @@ static const uint32_t motion_around_frag[] =
 static const uint32_t motion_frag[] =
 #include "motion.frag.inc"
 	;
+static const uint32_t motion_far_frag[] =
+#include "motion_far.frag.inc"
+	;
+static const uint32_t motion_far_show_frag[] =
+#include "motion_far_show.frag.inc"
+	;
 static const uint32_t temporal_frag[] =
 #include "temporal.frag.inc"
 	;
@@ -54,6 +60,9 @@ const stilb_gpu_shader post_shader_motion_tile = {motion_tile_frag, sizeof motio
 const stilb_gpu_shader post_shader_motion_around = {motion_around_frag, sizeof motion_around_frag,
                                                     SOURCE_motion_around_frag};
 const stilb_gpu_shader post_shader_motion = {motion_frag, sizeof motion_frag, SOURCE_motion_frag};
+const stilb_gpu_shader post_shader_motion_far = {motion_far_frag, sizeof motion_far_frag, SOURCE_motion_far_frag};
+const stilb_gpu_shader post_shader_motion_far_show = {motion_far_show_frag, sizeof motion_far_show_frag,
+                                                      SOURCE_motion_far_show_frag};
 const stilb_gpu_shader post_shader_temporal = {temporal_frag, sizeof temporal_frag, SOURCE_temporal_frag};
 const stilb_gpu_shader post_shader_bloom_halve = {bloom_halve_frag, sizeof bloom_halve_frag, SOURCE_bloom_halve_frag};
 const stilb_gpu_shader post_shader_bloom_double = {bloom_double_frag, sizeof bloom_double_frag,

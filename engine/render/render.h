@@ -731,6 +731,7 @@ typedef struct stilb_render_view {
 	 * from all other: "ambient" and "reflection" (render_images.h). Then it is added, which rounds to half floats three
 	 * times more; before what else there is. Of one sample a pixel alone: else they are not drawn. */
 	bool ambient_apart;
+	bool blended; /* passes also draw "blended depth" (render_images.h), of one sample a pixel */
 	bool mirrors; /* with ambient_apart: its passes also draw "mirror" and "mirror normal" (render_images.h) */
 	const stilb_scene_light
 		*lights; /* [light_count] without a mistake (stilb_scene_light_mistake); BAKED ones are left out. Read

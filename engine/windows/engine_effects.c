@@ -55,6 +55,8 @@ static const effects_row effects_rows[] = {
 	NUMBER("Radius", occlusion_radius, 0.05f, 20.0f, 0.05f, "%.2f m"),
 	EFFECT("Motion blur", motion_blur, 0.5f),
 	NUMBER("Longest", motion_blur_most, 0.01f, 0.5f, 0.01f, "%.2f"),
+	WORD("Of", motion, stilb_post_motion_names),
+	NUMBER("From", motion_blur_far, 1.0f, 200.0f, 1.0f, "%.0f m"),
 	EFFECT("Bloom", bloom, 0.05f),
 	NUMBER("Width", bloom_width, 0.01f, 1.0f, 0.01f, "%.2f"),
 	WORD("Images", bloom_format, stilb_post_bloom_format_names),

@@ -228,6 +228,11 @@ static void picture_add_post(picture_flags *p, flag_rows *table)
 	     "motion blur: for which share of a frame the shutter is open, 0..1 (0)", 0, 1, NULL},
 		{"--motion-blur-most", FLAG_AMOUNT, &p->motion_blur_most, "S",
 	     "its longest way, a share of the picture's height, 0..1 (0.1)", 0, 1, NULL},
+		{"--motion-blur-of", FLAG_CHOICE, &p->motion, "WHAT",
+	     "all, or far: what is far away, by the camera alone, in a quarter of the pixels (all)", 0, 0,
+	     stilb_post_motion_names},
+		{"--motion-blur-far", FLAG_AMOUNT, &p->motion_blur_far, "METRES", "from where on that sets in (10)", 0, 1000000,
+	     NULL},
 		{"--bloom", FLAG_AMOUNT, &p->bloom, "S", "share of each pixel's light that the lens scatters, 0..1 (0)", 0, 1,
 	     NULL},
 		{"--bloom-width", FLAG_AMOUNT, &p->bloom_width, "S",
@@ -300,6 +305,8 @@ stilb_post_settings picture_flags_post(const picture_flags *p)
 	settings.aa = (stilb_post_aa)p->aa;
 	settings.motion_blur = p->motion_blur;
 	settings.motion_blur_most = p->motion_blur_most;
+	settings.motion = (stilb_post_motion)p->motion;
+	settings.motion_blur_far = p->motion_blur_far;
 	settings.reflections = (stilb_post_reflections)p->reflections;
 	settings.dof = (stilb_post_dof)p->dof;
 	settings.aperture = p->aperture;

@@ -49,6 +49,8 @@ typedef struct picture_flags {
 	int aa;                              /* a stilb_post_aa */
 	float bloom, bloom_width;            /* likewise */
 	float motion_blur, motion_blur_most; /* likewise */
+	float motion_blur_far;               /* likewise */
+	int motion;                          /* a stilb_post_motion */
 	int bloom_format, post_place;        /* a stilb_post_bloom_format, a stilb_post_place */
 	int reflections;                     /* a stilb_post_reflections */
 	int dof;                             /* a stilb_post_dof */

@@ -146,10 +146,25 @@ static const char *const live_images[][2] = {
 };
 
 /* Flags that a preset says, too, in the order of the bits of post_given. */
-static const char *const live_look_flags[] = {
-	"--ao",       "--ao-radius", "--bloom",       "--bloom-width",      "--bloom-format", "--post",
-	"--dither",   "--aa",        "--motion-blur", "--motion-blur-most", "--reflections",  "--dof",
-	"--aperture", "--focus",     "--blades",      "--exposure",         "--tone"};
+static const char *const live_look_flags[] = {"--ao",
+                                              "--ao-radius",
+                                              "--bloom",
+                                              "--bloom-width",
+                                              "--bloom-format",
+                                              "--post",
+                                              "--dither",
+                                              "--aa",
+                                              "--motion-blur",
+                                              "--motion-blur-most",
+                                              "--reflections",
+                                              "--dof",
+                                              "--motion-blur-of",
+                                              "--motion-blur-far",
+                                              "--aperture",
+                                              "--focus",
+                                              "--blades",
+                                              "--exposure",
+                                              "--tone"};
 
 void live_options_look(live_options *o, stilb_post_preset *preset)
 {
@@ -173,6 +188,8 @@ void live_options_look(live_options *o, stilb_post_preset *preset)
 		{&p->motion_blur_most, &s->motion_blur_most},
 		{&p->reflections, &s->reflections},
 		{&p->dof, &s->dof},
+		{&p->motion, &s->motion},
+		{&p->motion_blur_far, &s->motion_blur_far},
 		{&p->aperture, &s->aperture},
 		{&p->focus, &s->focus},
 	};

@@ -17,6 +17,7 @@
 #define RENDER_SCENE(name, help) {name, help},
 
 const char *const offline_samplers[] = {STILB_GI_SAMPLERS(RENDER_WORD) NULL};
+static const char *const offline_dithers[] = {"off", "triangular", NULL};
 const char *const offline_filters[] = {STILB_GI_FILTERS(RENDER_WORD) NULL};
 const char *const offline_cache_radii[] = {"split-sphere", "hessian", "harmonic", NULL};
 static const char *const isa_choices[] = {STILB_GI_ISAS(RENDER_WORD) NULL};
@@ -109,6 +110,8 @@ static const struct {
 	uint32_t integrators;
 } options_uses[] = {
 	{"--exposure", RENDER_SHOWN},
+	{"--grade", RENDER_SHOWN},
+	{"--dither", RENDER_SHOWN},
 	{"--tone", RENDER_SHOWN},
 	{"--rays", RENDER_GATHERS},
 	{"--depth", RENDER_INDIRECT},
@@ -207,6 +210,10 @@ static void options_table(offline_options *o, flag_rows *table)
 	     NULL},
 		{"--error", FLAG_AMOUNT, &o->error, "E",
 	     "end when the relative error of the picture is below E, 0..1; 0: never (0)", 0, 1, NULL},
+		{"--grade", FLAG_TEXT, &o->grade, "FILE.cube", "a table of colours that a .png is shown through (none)", 0, 0,
+	     NULL},
+		{"--dither", FLAG_CHOICE, &o->dither, "KIND", "of a .png's 8-bit codes: off, or triangular, by one (off)", 0, 0,
+	     offline_dithers},
 		{"--denoise", FLAG_SWITCH, &o->denoise, NULL,
 	     "filter the noise out of the picture that is written: smoother, and biased, which the file states", 0, 0,
 	     NULL},
@@ -365,6 +372,8 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 void offline_options_be_guest(offline_options *o)
 {
 	o->output = o->stats = o->trace = o->cache_save = NULL;
+	o->grade = NULL;
+	o->dither = 0;
 	o->checkpoint[0] = '\0';
 	o->preview = o->resume = false;
 	o->guest = true;
@@ -543,6 +552,12 @@ bool offline_options_check(const offline_options *o)
 	const char *dot = o->output ? strrchr(o->output, '.') : NULL;
 	if (picture_flags_are_transparent(&o->picture) && dot && strcasecmp(dot, ".hdr") == 0) {
 		stilb_log("--background transparent: a .hdr has no alpha; give -o a .png or an .exr");
+		return false;
+	}
+	bool png = dot && strcasecmp(dot, ".png") == 0;
+	if ((o->grade || o->dither) && (!png || o->part)) {
+		stilb_log("%s is of a .png, and %s; give -o FILE.png", o->grade ? "--grade" : "--dither",
+		          o->part ? "a part has none" : "other files keep radiance");
 		return false;
 	}
 	if (picture_flags_adapt(&o->picture)) {

@@ -39,8 +39,10 @@ typedef struct offline_options {
 	rays_flags light;
 	const char *part; /* of --part, "I/N"; NULL: the whole picture */
 	uint32_t part_index, part_of;
-	bool merge; /* of --help alone: render_merge.h reads it */
-	bool guest; /* one of the ranks of mpirun that write nothing */
+	bool merge;        /* of --help alone: render_merge.h reads it */
+	bool guest;        /* one of the ranks of mpirun that write nothing */
+	const char *grade; /* NULL: none */
+	int dither;        /* 1: before 8 bits */
 	bool denoise, preview, resume, dry_run, force, show_records;
 } offline_options;
 

@@ -44,8 +44,9 @@ typedef struct work_pieces {
 	stilb_scene *scene;
 	stilb_gi_scene *gi_scene;
 	stilb_gi_render *render;
-	bool warned;  /* printed that a checkpoint could not be written */
-	char *output; /* the picture's file; NULL: none */
+	bool warned;             /* printed that a checkpoint could not be written */
+	char *output;            /* the picture's file; NULL: none */
+	stilb_post_table *grade; /* NULL: none */
 } work_pieces;
 
 static double work_seconds_since(uint64_t start)
@@ -213,6 +214,13 @@ static bool work_pose(work_pieces *p, double seconds)
 	return work_good(p, stilb_gi_scene_update(p->gi_scene, p->scene, &desc));
 }
 
+/* Reads the table of --grade: before the work, which would be in vain. */
+static bool work_table(work_pieces *p)
+{
+	const char *grade = p->options->grade;
+	return !grade || work_good(p, stilb_post_table_open(grade, &p->grade));
+}
+
 static bool work_build(work_pieces *p)
 {
 	PROFILE("prepare the scene");
@@ -317,6 +325,12 @@ static bool work_render_frame(work_pieces *p, double seconds)
 	return true;
 }
 
+/* The table's colour. */
+static void work_grade(const void *user, const float code[3], float out[3])
+{
+	stilb_post_table_at(user, code, out);
+}
+
 /* Writes the part, or the picture, denoised if that is asked for. */
 static stilb_result work_write(work_pieces *p)
 {
@@ -329,7 +343,9 @@ static stilb_result work_write(work_pieces *p)
 		if (result != STILB_OK)
 			return result;
 	}
-	return stilb_gi_render_save(p->render, p->output);
+	bool graded = p->grade || p->options->dither;
+	stilb_gi_grade grade = {.at = p->grade ? work_grade : NULL, .user = p->grade, .dither = p->options->dither};
+	return stilb_gi_render_save_graded(p->render, p->output, graded ? &grade : NULL);
 }
 
 /* Writes the picture. If that fails, or the picture is unfinished, the samples are kept in a checkpoint; a finished
@@ -431,6 +447,7 @@ static void work_finish(work_pieces *p)
 	if (p->pool)
 		stilb_job_pool_get_stats(p->pool, &p->result->jobs);
 	stilb_job_pool_destroy(p->pool);
+	stilb_post_table_destroy(p->grade);
 }
 
 /* Meets the other ranks, also if this one is not ready, so that the host hears why. */
@@ -447,7 +464,8 @@ static void *work_main(void *data)
 	work_pieces pieces = {.work = work, .options = work->options, .crew = work->crew, .result = &work->result};
 	stilb_prof_thread_begin("render");
 	stilb_prof_frame_mark();
-	bool ready = work_pool(&pieces) && work_open(&pieces) && work_build(&pieces) && work_resume(&pieces);
+	bool ready =
+		work_pool(&pieces) && work_table(&pieces) && work_open(&pieces) && work_build(&pieces) && work_resume(&pieces);
 	if (work_crew(&pieces, ready) && ready) {
 		pieces.output = work->options->output ? strdup(work->options->output) : NULL;
 		if (work->options->frames) {

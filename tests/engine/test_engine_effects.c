@@ -92,6 +92,8 @@ enum {
 	RADIUS,
 	MOTION,
 	LONGEST,
+	MOTION_OF,
+	MOTION_FAR,
 	BLOOM,
 	BLOOM_WIDTH,
 	IMAGES,
@@ -131,9 +133,13 @@ static void effects_are_switched(void **state)
 	stage_drag(&s, line_x(&s, 0.5f), line_y(&s, DITHER), 0.0f);
 	stage_drag(&s, line_x(&s, 0.0f), line_y(&s, MOTION), 0.0f);
 	stage_drag(&s, line_x(&s, 0.4f), line_y(&s, LONGEST), 9.0f);
+	stage_drag(&s, line_x(&s, 0.5f), line_y(&s, MOTION_OF), 0.0f);
+	stage_drag(&s, line_x(&s, 0.4f), line_y(&s, MOTION_FAR), 9.0f);
 	stage_drag(&s, line_x(&s, 0.5f), line_y(&s, AA), 0.0f);
 	stilb_post_settings moving = stilb_engine_post(s.engine);
-	assert_true(moving.motion_blur == 0.5f && moving.motion_blur_most > 0.0f && moving.aa == STILB_POST_AA_POST);
+	assert_true(moving.motion_blur == 0.5f && moving.motion_blur_most > 0.0f &&
+	            moving.motion == STILB_POST_MOTION_FAR && moving.motion_blur_far > 0.0f &&
+	            moving.aa == STILB_POST_AA_POST);
 	stage_drag(&s, line_x(&s, 0.0f), line_y(&s, MOTION), 0.0f);
 	stage_drag(&s, line_x(&s, 0.5f), line_y(&s, MIRROR), 0.0f);
 	stage_drag(&s, line_x(&s, 0.5f), line_y(&s, LENS), 0.0f);

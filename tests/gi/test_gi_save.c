@@ -189,6 +189,36 @@ static void display(void **state)
 	assert_true(plain[3][0] == 0 && plain[3][1] == 255);
 }
 
+static void swap_channels(const void *user, const float code[3], float out[3])
+{
+	(void)user;
+	for (int c = 0; c < 3; c++)
+		out[c] = 0.5f * code[2 - c];
+}
+
+/* Codes go through the grade; dither adds up to a code and keeps the mean. shown: the picture without. */
+static void graded(stilb_gi_render *render, const uint8_t *shown, size_t size)
+{
+	stilb_image images[2];
+	double sums[2] = {0.0, 0.0};
+	for (uint32_t d = 0; d < 2; d++) {
+		stilb_gi_grade grade = {.at = swap_channels, .dither = d == 1};
+		assert_int_equal(stilb_gi_render_save_graded(render, png, &grade), STILB_OK);
+		assert_int_equal(stilb_image_load(png, &images[d]), STILB_OK);
+		assert_int_equal(stilb_image_size(&images[d]), size);
+		const uint8_t *codes = images[d].pixels;
+		for (size_t i = 0; i < size; i++) {
+			double half = 0.5 * shown[i - i % 3 + 2 - i % 3];
+			assert_true(fabs(codes[i] - half) <= (d ? 1.76 : 0.76));
+			sums[d] += codes[i];
+		}
+	}
+	assert_true(memcmp(images[0].pixels, images[1].pixels, size) != 0);
+	assert_true(fabs(sums[0] - sums[1]) <= 0.1 * (double)size);
+	for (uint32_t d = 0; d < 2; d++)
+		stilb_image_finish(&images[d]);
+}
+
 static void picture(void **state)
 {
 	(void)state;
@@ -207,6 +237,7 @@ static void picture(void **state)
 	assert_int_equal(stilb_image_size(&image), sizeof shown);
 	assert_memory_equal(image.pixels, shown, sizeof shown);
 	stilb_image_finish(&image);
+	graded(render, shown[0][0], sizeof shown);
 	saved(render, exr); /* .exr is not exposed, and any reader of pictures reads it */
 	assert_int_equal(stilb_image_load(exr, &image), STILB_OK);
 	assert_int_equal(image.channels, 3);

@@ -10,6 +10,7 @@ typedef struct gi_picture {
 	const stilb_gi_settings *settings;
 	const gi_film *film;
 	const char *surroundings, *isa; /* in words, for the file */
+	const stilb_gi_grade *grade;    /* of what is shown; NULL: none */
 	bool transparent;               /* nothing is behind the models: the file has alpha */
 } gi_picture;
 

@@ -77,6 +77,36 @@ void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint32_t 
 	}
 }
 
+/* The code with up to one more or less, evenly about itself. pixel: its number in a picture of this width. */
+static float display_dithered(float code, size_t pixel, size_t width)
+{
+	float x = (float)(pixel % width), y = (float)(pixel / width);
+	float inner = 0.06711056f * x + 0.00583715f * y, noise = 52.9829189f * (inner - floorf(inner));
+	float away = 2.0f * (noise - floorf(noise)) - 1.0f, share = copysignf(1.0f - sqrtf(1.0f - fabsf(away)), away);
+	float room = fminf(fminf(code, 255.0f - code) + 0.5f, 1.0f);
+	return fminf(fmaxf(code + room * share, 0.0f), 255.0f);
+}
+
+/* As stilb_gi_display, graded. */
+static void display_graded(const gi_picture *picture, const float *rgb, size_t pixels, uint8_t *srgb)
+{
+	const stilb_gi_grade *grade = picture->grade;
+	float scale = exp2f(picture->settings->exposure);
+	for (size_t i = 0; i < pixels; i++, rgb += 3, srgb += 3) {
+		stilb_vec3 light = {display_light(rgb[0], scale), display_light(rgb[1], scale), display_light(rgb[2], scale)};
+		stilb_vec3 shown = shade_tone((int)picture->settings->tone, light);
+		float codes[3], out[3];
+		for (int c = 0; c < 3; c++)
+			codes[c] = out[c] = shade_srgb_from_linear(shown[c]);
+		if (grade->at)
+			grade->at(grade->user, codes, out);
+		for (int c = 0; c < 3; c++) {
+			float code = 255.0f * fminf(fmaxf(out[c], 0.0f), 1.0f);
+			srgb[c] = (uint8_t)((grade->dither ? display_dithered(code, i, picture->film->width) : code) + 0.5f);
+		}
+	}
+}
+
 /* What the settings make of the picture for display. rgb: is changed. */
 static void save_codes(const gi_picture *picture, float *rgb, size_t pixels, uint8_t *srgb)
 {
@@ -84,6 +114,10 @@ static void save_codes(const gi_picture *picture, float *rgb, size_t pixels, uin
 	bool channel = settings->integrator == STILB_GI_INTEGRATOR_CHANNEL;
 	if (gi_shows_data(settings))
 		gi_data_to_light(rgb, pixels);
+	if (picture->grade && !channel) {
+		display_graded(picture, rgb, pixels, srgb);
+		return;
+	}
 	stilb_gi_display(rgb, pixels, channel ? 0.0f : settings->exposure, channel ? SHADE_TONE_NONE : settings->tone,
 	                 srgb);
 }
@@ -230,6 +264,11 @@ stilb_result gi_picture_save(const gi_picture *picture, const char *path)
 
 stilb_result stilb_gi_render_save(stilb_gi_render *render, const char *path)
 {
+	return stilb_gi_render_save_graded(render, path, NULL);
+}
+
+stilb_result stilb_gi_render_save_graded(stilb_gi_render *render, const char *path, const stilb_gi_grade *grade)
+{
 	STILB_ASSERT(render && path);
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
@@ -241,6 +280,7 @@ stilb_result stilb_gi_render_save(stilb_gi_render *render, const char *path)
 	const stilb_gi_scene *scene = render->view.scene;
 	gi_picture picture = {.settings = &render->view.settings,
 	                      .film = &render->film,
+	                      .grade = grade,
 	                      .surroundings = scene->surroundings,
 	                      .isa = scene->info.isa,
 	                      .transparent = gi_backdrop_is_nothing(scene->backdrop)};

@@ -5,6 +5,7 @@
 
 layout(set = 0, binding = 0) uniform sampler2D light;
 layout(set = 0, binding = 1) uniform sampler2D depth;
+layout(set = 0, binding = 2) uniform sampler2D blended; // depth of what blends; 0: nothing does
 layout(location = 0) out vec4 defocus;
 
 bool is_finite(vec3 found)
@@ -27,7 +28,8 @@ void main()
 {
 	ivec2 pixel = ivec2(gl_FragCoord.xy);
 	vec3 found = texelFetch(light, pixel, 0).rgb;
-	float circle = push.at_infinity + push.slope * texelFetch(depth, pixel, 0).r;
+	float nearest = max(texelFetch(depth, pixel, 0).r, texelFetch(blended, pixel, 0).r); // 1 is near
+	float circle = push.at_infinity + push.slope * nearest;
 	if (!is_finite(found))
 		found = mean_beside(pixel);
 	defocus = vec4(max(found, 0.0), clamp(circle, -push.largest, push.largest));

@@ -347,7 +347,7 @@ typedef struct render_device_maps {
  * one of the surroundings' light
  * (render_around.c), one of bodies around lights (render_volumes.c), up to three of others (render_through.c) and one
  * of velocities, one that shows nothing, and those of features. */
-#define RENDER_MAX_LISTS (9u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
+#define RENDER_MAX_LISTS (10u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
 
 /* The draws of a pass. */
 typedef struct render_list {

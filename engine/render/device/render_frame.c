@@ -187,6 +187,7 @@ typedef enum frame_draws {
 	FRAME_DRAWS_ALL,
 	FRAME_DRAWS_PLAIN, /* those that can be lit later, or in several passes (render_maps_are_plain) */
 	FRAME_DRAWS_OTHERS,
+	FRAME_DRAWS_BLENDED, /* into depth: those that blend, as if they were masks */
 } frame_draws;
 
 /* A list that is being made. */
@@ -259,8 +260,10 @@ static uint64_t list_depth_state(uint64_t state)
 static uint64_t list_maps_bits(const list_maker *maker, uint64_t state)
 {
 	bool sides = maker->choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES;
-	return render_maps_program_bits(maker->device->maps[render_state_group(state)].bits, state & RENDER_STATE_EXTRAS,
-	                                sides, maker->depth && !maker->seen);
+	uint64_t bits = maker->device->maps[render_state_group(state)].bits;
+	if (maker->draws == FRAME_DRAWS_BLENDED)
+		bits = (bits & ~(uint64_t)RENDER_MAPS_BLEND) | RENDER_MAPS_MASK;
+	return render_maps_program_bits(bits, state & RENDER_STATE_EXTRAS, sides, maker->depth && !maker->seen);
 }
 
 /* Fills in what a run binds. *drawn: false if it is not drawn. */
@@ -269,9 +272,10 @@ static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gp
 	const render_device *device = maker->device;
 	uint64_t bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
 	*run = (stilb_gpu_run){.first = from->first, .count = from->count};
-	bool plain =
-		!(from->state & RENDER_STATE_MAPS) || render_maps_are_plain(device->maps[render_state_group(from->state)].bits);
-	*drawn = maker->draws == FRAME_DRAWS_ALL || plain == (maker->draws == FRAME_DRAWS_PLAIN);
+	uint64_t own = from->state & RENDER_STATE_MAPS ? device->maps[render_state_group(from->state)].bits : 0;
+	*drawn = maker->draws == FRAME_DRAWS_BLENDED
+	             ? (own & (RENDER_MAPS_BLEND | RENDER_MAPS_THROUGH)) == RENDER_MAPS_BLEND
+	             : maker->draws == FRAME_DRAWS_ALL || render_maps_are_plain(own) == (maker->draws == FRAME_DRAWS_PLAIN);
 	if (!*drawn)
 		return STILB_OK;
 	if (maker->depth && bits & RENDER_MAPS_BLEND) {
@@ -920,6 +924,37 @@ static stilb_result frame_apart(render_device *device, const render_stream *stre
 	return result == STILB_OK ? render_around_add(device, target, parts) : result;
 }
 
+/* Adds the row that draws the depth of what blends, if the stream has some. */
+static stilb_result frame_blended(render_device *device, const render_stream *stream, const render_frame_target *target,
+                                  const render_push *push)
+{
+	bool main = target == render_target_main(device), any = false;
+	for (uint32_t r = 0; r < stream->run_count; r++) {
+		uint64_t state = stream->runs[r].state;
+		any |= state & RENDER_STATE_MAPS && device->maps[render_state_group(state)].bits & RENDER_MAPS_BLEND;
+	}
+	if (!stream->view->blended || !main || !any || device->samples > 1 ||
+	    stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_BLENDED_DEPTH) != 0)
+		return STILB_OK;
+	render_formula_programs *choice;
+	render_stream laid = *stream;
+	laid.lights.bits = RENDER_LIGHTS_DEPTH | (stream->lights.bits & RENDER_LIGHTS_SIDES);
+	uint32_t list;
+	stilb_result result = render_programs_choose(device, &stream->view->shading, laid.lights.bits, 0, stream->kinds,
+	                                             frame_surfaces(stream), &choice);
+	if (result == STILB_OK)
+		result = frame_list(device, &laid, (frame_part){0, stream->run_count}, FRAME_DRAWS_BLENDED, choice, &list);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass row = frame_row(device, stream, list, " blended depth");
+	row.depth = (stilb_gpu_attachment){
+		.image = render_target_image(device, target, STILB_RENDER_IMAGE_BLENDED_DEPTH, STILB_GPU_D32_F, false),
+		.load = STILB_GPU_LOAD_CLEAR};
+	row_constants(&row, push, sizeof *push);
+	stilb_gpu_plan_pass(device->plan, &row);
+	return STILB_OK;
+}
+
 /* What the rows of a scene pass that draw surfaces draw beside the picture. The first pass into a target decides
  * whether rows of their own draw what is seen. */
 static uint32_t frame_beside(const render_device *device, const stilb_render_view *view,
@@ -985,6 +1020,9 @@ static stilb_result frame_scene_into(render_device *device, const render_stream 
 		device->frame.atlas = render_target_get(device, view->shadows->target, STILB_RENDER_HDR_HALF)->depth;
 	bool apart = !target->drawn && render_view_is_apart(device, view);
 	render_way way = target->drawn ? (render_way){0} : render_view_way(device, view);
+	result = frame_blended(device, stream, target, &push);
+	if (result != STILB_OK)
+		return result;
 	if (!apart && !way.surfaces && !way.laid && !frame_is_multipass(stream))
 		return frame_rows(device, stream, FRAME_DRAWS_ALL, choice, target, backdrop, &push);
 	result = apart ? frame_apart(device, stream, target, backdrop, &push)

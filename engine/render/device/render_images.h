@@ -29,6 +29,10 @@
  * lights are deferred; else it is "depth". */
 #define STILB_RENDER_IMAGE_VELOCITY_DEPTH "velocity depth"
 
+/* The depth of what blends where its alpha is at least its cutoff, and nothing keeps it from being seen but other such
+ * surfaces; elsewhere 0. d32_f, one sample a pixel; of the main images' views with `blended`, where there is some. */
+#define STILB_RENDER_IMAGE_BLENDED_DEPTH "blended depth"
+
 /* Of the same surfaces as "velocity", by the same passes, of views with `surfaces`, or with `ids` the second one; one
  * sample a pixel. Outputs. At the stages AMBIENT and REFLECTION what can be lit later has been drawn alone.
  *   surface normal  the shading normal, in the world, bent by maps and towards the viewer, and by the program's
