@@ -690,11 +690,14 @@ void render_target_attach(render_device *device, const render_formula_programs *
 render_frame_target *render_target_main(render_device *device);
 /* Adds the passes that make light of samples, and of what is kept in 8 bits. */
 void render_targets_resolve(render_device *device);
+/* Adds the passes that show targets in the picture, main_light in the place of the main one's light. */
+void render_targets_show(render_device *device, uint16_t main_light);
+
+/* ---- render_compare.c --------------------------------------------------------------------------------------------  */
+
 /* Adds the pass that compares the light of a target, without what features have made of it, with the reference; *light:
  * how far they are apart. STILB_ERROR_ARGUMENT: there is none. */
 stilb_result render_target_compare(render_device *device, const render_frame_target *target, uint16_t *light);
-/* Adds the passes that show targets in the picture, main_light in the place of the main one's light. */
-void render_targets_show(render_device *device, uint16_t main_light);
 
 /* ---- render_show.c ----------------------------------------------------------------------------------------------- */
 
