@@ -693,7 +693,7 @@ void render_targets_resolve(render_device *device);
 /* Adds the passes that show targets in the picture, main_light in the place of the main one's light. */
 void render_targets_show(render_device *device, uint16_t main_light);
 
-/* ---- render_compare.c --------------------------------------------------------------------------------------------  */
+/* ---- render_compare.c -------------------------------------------------------------------------------------------- */
 
 /* Adds the pass that compares the light of a target, without what features have made of it, with the reference; *light:
  * how far they are apart. STILB_ERROR_ARGUMENT: there is none. */
