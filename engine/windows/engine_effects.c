@@ -122,6 +122,8 @@ static bool effects_draw_rows(engine_effects *effects, stilb_post_settings *sett
 	bool changed = false, on = false;
 	for (uint32_t r = 0; r < EFFECTS_ROWS; r++) {
 		const effects_row *row = &effects_rows[r];
+		if (area.y1 - area.y0 < style->control_height)
+			break; /* the picture is too low for them */
 		stilb_ui_rect line = effects_line(style, &area);
 		stilb_ui_id_push_number(ui, r);
 		if (row->kind == EFFECTS_EFFECT) {
