@@ -61,7 +61,7 @@ static stilb_result far_pass(stilb_post *post, stilb_gpu_plan *plan, const far_p
                              stilb_gpu_pass pass)
 {
 	stilb_gpu_program program;
-	stilb_result result = post_program_get(post, STILB_POST_BLOOM_HALF, number, &program);
+	stilb_result result = post_program_get(post, number, &program);
 	if (result != STILB_OK)
 		return result;
 	bool shows = number == POST_MOTION_FAR_SHOW;

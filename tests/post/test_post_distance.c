@@ -105,7 +105,7 @@ static stilb_scene *pane_scene(void)
 	static const float none[3] = {0};
 	stilb_scene *scene;
 	stilb_scene_build *build = stilb_scene_build_begin();
-	stilb_scene_mesh box = scene_box();
+	stilb_scene_mesh box = post_box();
 	uint32_t mesh = stilb_scene_build_mesh(build, &box);
 	for (int i = -20; i <= 20; i++) {
 		stilb_scene_material paint = stilb_scene_material_make(none, none, 1.0f);
