@@ -57,12 +57,6 @@ static uint16_t temporal_image(stilb_gpu_plan *plan, const char *name, stilb_gpu
 	return stilb_gpu_plan_image(plan, &row);
 }
 
-uint16_t post_velocity_depth(const stilb_gpu_plan *plan)
-{
-	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_VELOCITY_DEPTH);
-	return depth != 0 ? depth : stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH);
-}
-
 stilb_result post_temporal_add(stilb_post *post, stilb_gpu_plan *plan, uint16_t *light)
 {
 	stilb_gpu_extent extent = *stilb_gpu_plan_extent(plan, *light);
