@@ -34,8 +34,28 @@
 	X(17, shade_surface_seen, 1e-4f, 1e-5f)                                                                            \
 	X(18, shade_d_peak, 1e-4f, 1e-5f)                                                                                  \
 	X(19, shade_v_peak, 1e-4f, 1e-5f)                                                                                  \
-	X(20, shade_brdf_peak, 1e-4f, 1e-5f)
-#define SHADE_CASES_BRDF_COUNT 21
+	X(20, shade_brdf_peak, 1e-4f, 1e-5f)                                                                               \
+	X(21, shade_light_share, 1e-5f, 1e-6f)                                                                             \
+	X(22, shade_roughness_under, 1e-5f, 1e-6f)
+#define SHADE_CASES_BRDF_COUNT 23
+
+/* A light of any kind, 2 away in direction l. kind: [0, 1) */
+SHADE_FN shade_light shade_case_lamp(float kind, vec3 l)
+{
+	shade_frame around = shade_frame_from_normal(l);
+	shade_light light = {SHADE_LIGHT_POINT + int(kind * 5.999f),
+	                     SHADE_FALLOFF_PHYSICAL,
+	                     l * 2.0f,
+	                     -l,
+	                     vec3(3.0f, 2.0f, 1.0f),
+	                     0.9f,
+	                     0.5f,
+	                     0.5f,
+	                     around.t,
+	                     around.b,
+	                     9.0f};
+	return light;
+}
 
 /* A surface under one light, by parts. */
 SHADE_FN vec4 shade_case_surface(int row, shade_brdf_model model, shade_material material, shade_frame frame, vec3 l,
@@ -53,18 +73,7 @@ SHADE_FN vec4 shade_case_surface(int row, shade_brdf_model model, shade_material
 		return vec4(shade_surface_sky(material, sky, frame.n), 0.0f);
 	if (row == 13)
 		return vec4(shade_surface_lit(model, material, frame, sun, material.roughness > 0.5f, sky.sky, v), 0.0f);
-	shade_frame around = shade_frame_from_normal(l);
-	shade_light light = {SHADE_LIGHT_POINT + int(material.roughness * 5.999f),
-	                     SHADE_FALLOFF_PHYSICAL,
-	                     l * 2.0f,
-	                     -l,
-	                     vec3(3.0f, 2.0f, 1.0f),
-	                     0.9f,
-	                     0.5f,
-	                     0.5f,
-	                     around.t,
-	                     around.b,
-	                     9.0f};
+	shade_light light = shade_case_lamp(material.roughness, l);
 	return vec4(shade_surface_light(model, material, frame, light, vec3(0.0f), v), 0.0f);
 }
 
@@ -120,6 +129,10 @@ SHADE_FN vec4 shade_case_brdf(int row, vec4 a, vec4 b)
 		return vec4(shade_diffuse_left(a[0], b[0]), 0.0f, 0.0f, 0.0f);
 	if (row == 5)
 		return vec4(shade_frame_to_world(shade_frame_from_tangent(n, w), vec3(b)), 0.0f);
+	if (row == 21)
+		return vec4(shade_light_share(shade_case_lamp(b[0], w), vec3(b[1], b[2], b[3]) - 0.5f), 0.0f, 0.0f, 0.0f);
+	if (row == 22)
+		return vec4(shade_roughness_under(a[0], b[0]), 0.0f, 0.0f, 0.0f);
 	return shade_case_brdf_model(row, a, b);
 }
 
