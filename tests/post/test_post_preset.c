@@ -182,7 +182,7 @@ static void saved_is_read_again(void **state)
 	snprintf(again, sizeof again, "%s/in", folder);
 	assert_int_equal(mkdir(again, 0700), 0);
 	for (size_t i = 0; i < 2 * sizeof texts / sizeof *texts; i++) {
-		stilb_post_preset *p, *q;
+		stilb_post_preset *p, *q = NULL;
 		file_write("p.json", texts[i / 2], path);
 		snprintf(again, sizeof again, "%s/%sq.json", folder, i % 2 ? "in/" : "");
 		assert_int_equal(stilb_post_preset_open(path, &p), STILB_OK);
