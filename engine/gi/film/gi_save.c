@@ -80,7 +80,8 @@ void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint32_t 
 /* The code with up to one more or less, evenly about itself. pixel: its number in a picture of this width. */
 static float display_dithered(float code, size_t pixel, size_t width)
 {
-	float x = (float)(pixel % width), y = (float)(pixel / width);
+	size_t row = pixel / width;
+	float x = (float)(pixel - row * width), y = (float)row;
 	float inner = 0.06711056f * x + 0.00583715f * y, noise = 52.9829189f * (inner - floorf(inner));
 	float away = 2.0f * (noise - floorf(noise)) - 1.0f, share = copysignf(1.0f - sqrtf(1.0f - fabsf(away)), away);
 	float room = fminf(fminf(code, 255.0f - code) + 0.5f, 1.0f);

@@ -846,7 +846,7 @@ uint32_t *gpu_vulkan_specialize(const uint32_t *words, size_t count, const stilb
 	module m = {.words = words, .count = (uint32_t)count};
 	if (count <= UINT32_MAX / 2 && read_module(&m, desc) && order_blocks(&m) && solve(&m)) {
 		/* A stub has at most four words, and a phi may get two more. */
-		m.out = malloc((count + 4u * m.block_count) * sizeof *m.out);
+		m.out = malloc((count + (size_t)4 * m.block_count) * sizeof *m.out);
 		if (m.out)
 			write_module(&m);
 	}
