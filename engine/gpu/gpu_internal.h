@@ -390,7 +390,7 @@ static inline bool gpu_copy_is_exact(const stilb_gpu_extent *from, uint32_t from
 /* Bytes of a mip of one layer, tightly packed. */
 uint64_t gpu_mip_bytes(const stilb_gpu_extent *extent, uint32_t mip);
 
-/* ---- gpu_spirv.c ------------------------------------------------------------------------------------------------- */
+/* ---- spirv/gpu_spirv.c ------------------------------------------------------------------------------------------- */
 
 /* Which bindings a shader has, and what it is given and hands on: bits of bindings and locations 0..31. */
 typedef struct gpu_spirv {

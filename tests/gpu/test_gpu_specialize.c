@@ -1,6 +1,6 @@
 /* Shaders without what their specialization constants never reach: what is left is whole, and broken modules do no
  * harm. That it computes the same is tested by test_gpu_vulkan, under the validation layer. */
-#include "gpu/vulkan/gpu_vulkan_specialize.h"
+#include "gpu/spirv/gpu_specialize.h"
 #include "support/test.h"
 
 #include <stdlib.h>
@@ -83,14 +83,14 @@ static void what_is_left_is_whole(void **state)
 		for (uint32_t bits = 0; bits < 512; bits += 5) {
 			stilb_gpu_program_desc desc = paths_desc(kind, bits);
 			size_t count = 0;
-			uint32_t *words = gpu_vulkan_specialize(paths_frag, WORDS, &desc, &count);
+			uint32_t *words = gpu_specialize(paths_frag, WORDS, &desc, &count);
 			assert_non_null(words);
 			assert_in_range(count, WORDS / 4, WORDS * 3 / 4);
 			assert_memory_equal(words, paths_frag, 5 * sizeof *words);
 			assert_whole(words, count);
 			/* All of it is reached. */
 			size_t again = 0;
-			assert_null(gpu_vulkan_specialize(words, count, &desc, &again));
+			assert_null(gpu_specialize(words, count, &desc, &again));
 			free(words);
 		}
 }
@@ -101,12 +101,12 @@ static void constants_of_the_shader(void **state)
 	(void)state;
 	stilb_gpu_program_desc none = {0};
 	size_t few = 0, more = 0;
-	uint32_t *words = gpu_vulkan_specialize(paths_frag, WORDS, &none, &few);
+	uint32_t *words = gpu_specialize(paths_frag, WORDS, &none, &few);
 	assert_non_null(words);
 	assert_whole(words, few);
 	free(words);
 	stilb_gpu_program_desc desc = paths_desc(0, 0);
-	free(gpu_vulkan_specialize(paths_frag, WORDS, &desc, &more));
+	free(gpu_specialize(paths_frag, WORDS, &desc, &more));
 	assert_true(few < more && few < WORDS / 2);
 }
 
@@ -116,7 +116,7 @@ static void behind_what_ends(void **state)
 	(void)state;
 	stilb_gpu_program_desc desc = {.constant_count = 2, .constants = {{1, 0}, {2, 1}}};
 	size_t count = 0;
-	uint32_t *words = gpu_vulkan_specialize(paths_frag, WORDS, &desc, &count);
+	uint32_t *words = gpu_specialize(paths_frag, WORDS, &desc, &count);
 	assert_non_null(words);
 	assert_whole(words, count);
 	free(words);
@@ -136,7 +136,7 @@ static uint32_t *specialize(const instruction *code, size_t instructions, uint32
 		end += code[i][1];
 	}
 	stilb_gpu_program_desc desc = {.constant_count = 1, .constants = {{1, 1}}};
-	return gpu_vulkan_specialize(words, end, &desc, count);
+	return gpu_specialize(words, end, &desc, count);
 }
 
 /* if (constant) { if (other) goto end; } else {} end: with `leaves` the inner branch leaves both, which structured
@@ -210,6 +210,53 @@ static void wide_switches(void **state)
 	}
 }
 
+/* Merge instructions that name blocks before their own: nothing is left out, and the search for constructs ends. And
+ * phis without a value from where their loop comes back. */
+static void constructs_inside_out(void **state)
+{
+	(void)state;
+	enum { BOOL = 1, CONSTANT, FUNCTION, ENTRY, INNER, SIDE, END, LOOP, BACK, PHIS, BOUND = PHIS + 24 };
+	instruction code[40] = {
+		{71, 4, CONSTANT, 1, 1},
+		{20, 2, BOOL},
+		{49, 3, BOOL, CONSTANT},
+		{54, 5, BOOL, FUNCTION, 0},
+		{LABEL, 2, ENTRY},
+		{SELECTION_MERGE, 3, END},
+		{BRANCH_CONDITIONAL, 4, CONSTANT, INNER, SIDE},
+		{LABEL, 2, INNER},
+		{SELECTION_MERGE, 3, ENTRY},
+		{BRANCH_CONDITIONAL, 4, CONSTANT, END, SIDE},
+		{LABEL, 2, SIDE},
+		{BRANCH, 2, END},
+		{LABEL, 2, END},
+		{253, 1},
+		{56, 1},
+	};
+	size_t count = 0;
+	assert_null(specialize(code, 15, BOUND, &count));
+	const instruction loop[] = {
+		{71, 4, CONSTANT, 1, 1}, {20, 2, BOOL},     {49, 3, BOOL, CONSTANT}, {54, 5, BOOL, FUNCTION, 0},
+		{LABEL, 2, ENTRY},       {BRANCH, 2, LOOP}, {LABEL, 2, LOOP},
+	};
+	const instruction rest[] = {
+		{LOOP_MERGE, 4, END, BACK},
+		{BRANCH_CONDITIONAL, 4, CONSTANT, END, BACK},
+		{LABEL, 2, BACK},
+		{BRANCH, 2, LOOP},
+		{LABEL, 2, END},
+		{253, 1},
+		{56, 1},
+	};
+	memcpy(code, loop, sizeof loop);
+	for (uint32_t i = 0; i < 24; i++)
+		memcpy(code[7 + i], (instruction){PHI, 3, BOOL, PHIS + i}, sizeof *code);
+	memcpy(code[31], rest, sizeof rest);
+	uint32_t *words = specialize(code, 38, BOUND, &count);
+	assert_non_null(words); /* the sanitizers see whether there was room */
+	free(words);
+}
+
 static void selections_that_are_left_from_within(void **state)
 {
 	(void)state;
@@ -232,7 +279,7 @@ static void broken_modules(void **state)
 	for (size_t cut = 0; cut < WORDS; cut++) {
 		uint32_t *part = malloc((cut + 1) * sizeof *part);
 		memcpy(part, paths_frag, cut * sizeof *part);
-		uint32_t *words = gpu_vulkan_specialize(part, cut, &desc, &count);
+		uint32_t *words = gpu_specialize(part, cut, &desc, &count);
 		if (cut < WORDS - 1) /* without OpFunctionEnd all blocks are there */
 			assert_null(words);
 		free(words);
@@ -247,7 +294,7 @@ static void broken_modules(void **state)
 			seed = seed * 1664525u + 1013904223u;
 			copy[at] = i & 4 ? seed : copy[at] ^ 1u << (seed >> 27);
 		}
-		free(gpu_vulkan_specialize(copy, WORDS, &desc, &count));
+		free(gpu_specialize(copy, WORDS, &desc, &count));
 	}
 	free(copy);
 }
@@ -257,7 +304,8 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_is_left_is_whole), cmocka_unit_test(constants_of_the_shader),
 		cmocka_unit_test(behind_what_ends),      cmocka_unit_test(selections_that_are_left_from_within),
-		cmocka_unit_test(wide_switches),         cmocka_unit_test(broken_modules),
+		cmocka_unit_test(constructs_inside_out), cmocka_unit_test(wide_switches),
+		cmocka_unit_test(broken_modules),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

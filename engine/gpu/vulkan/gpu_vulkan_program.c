@@ -1,6 +1,6 @@
 /* Programs: shaders, layouts, and a pipeline for each combination of attachments. */
+#include "gpu/spirv/gpu_specialize.h"
 #include "gpu/vulkan/gpu_vulkan_internal.h"
-#include "gpu/vulkan/gpu_vulkan_specialize.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -65,7 +65,7 @@ static VkResult program_module(gpu_vulkan *gpu, const stilb_gpu_program_desc *de
 	if (!shader->words)
 		return VK_SUCCESS;
 	size_t count;
-	uint32_t *words = gpu_vulkan_specialize(shader->words, shader->bytes / sizeof *words, desc, &count);
+	uint32_t *words = gpu_specialize(shader->words, shader->bytes / sizeof *words, desc, &count);
 	VkShaderModuleCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
 		.codeSize = words ? count * sizeof *words : shader->bytes,

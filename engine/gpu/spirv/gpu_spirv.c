@@ -1,52 +1,11 @@
 /* gpu: what a shader's SPIR-V says of its bindings, of what its stage is given and hands on, and of its constants
  * (Khronos, SPIR-V Specification 1.6, section 3: binary form). */
 #include "gpu/gpu_internal.h"
+#include "gpu/spirv/gpu_spirv_words.h"
 
 #include <stdlib.h>
 
-#define SPIRV_MAGIC 0x07230203u
-#define SPIRV_MOST_IDS (1u << 20)
 #define SPIRV_ADDRESS 8u /* bytes of a buffer's address */
-
-enum {
-	OP_EXECUTION_MODE = 16,
-	OP_TYPE_BOOL = 20,
-	OP_TYPE_INT = 21,
-	OP_TYPE_FLOAT = 22,
-	OP_TYPE_VECTOR = 23,
-	OP_TYPE_MATRIX = 24,
-	OP_TYPE_IMAGE = 25,
-	OP_TYPE_SAMPLED_IMAGE = 27,
-	OP_TYPE_ARRAY = 28,
-	OP_TYPE_RUNTIME_ARRAY = 29,
-	OP_TYPE_STRUCT = 30,
-	OP_TYPE_POINTER = 32,
-	OP_TYPE_FORWARD_POINTER = 39,
-	OP_CONSTANT = 43,
-	OP_SPEC_CONSTANT_TRUE = 48,
-	OP_SPEC_CONSTANT_FALSE = 49,
-	OP_SPEC_CONSTANT = 50,
-	OP_VARIABLE = 59,
-	OP_DECORATE = 71,
-	OP_MEMBER_DECORATE = 72,
-	OP_EXECUTION_MODE_ID = 331,
-	MODE_LOCAL_SIZE_ID = 38,
-	MODE_LOCAL_SIZE = 17,
-	DECORATION_SPEC_ID = 1,
-	DECORATION_BLOCK = 2,
-	DECORATION_ARRAY_STRIDE = 6,
-	DECORATION_BUILT_IN = 11,
-	DECORATION_LOCATION = 30,
-	DECORATION_BINDING = 33,
-	DECORATION_SET = 34,
-	DECORATION_OFFSET = 35,
-	CLASS_UNIFORM_CONSTANT = 0,
-	CLASS_INPUT = 1,
-	CLASS_UNIFORM = 2,
-	CLASS_OUTPUT = 3,
-	CLASS_PUSH_CONSTANT = 9,
-	CLASS_STORAGE_BUFFER = 12,
-};
 
 typedef enum spirv_kind { SPIRV_OTHER, SPIRV_SAMPLED, SPIRV_STORAGE, SPIRV_ARRAY, SPIRV_STRUCT } spirv_kind;
 

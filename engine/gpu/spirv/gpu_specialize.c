@@ -1,82 +1,14 @@
-/* gpu_vulkan: shaders without the code that their specialization constants never reach. Constants are propagated
+/* gpu: shaders without the code that their specialization constants never reach. Constants are propagated
  * through the blocks that can be reached (Wegman, Zadeck 1991: sparse conditional constant propagation, here walks in
  * reverse postorder that take what loops carry as unknown), then what is left is written with its structure intact
  * (Khronos, SPIR-V Specification 1.6, section 2.11: structured control flow). */
-#include "gpu/vulkan/gpu_vulkan_specialize.h"
+#include "gpu/spirv/gpu_specialize.h"
+
+#include "gpu/spirv/gpu_spirv_words.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define SPIRV_MAGIC 0x07230203u
-#define SPIRV_HEADER 5u
-#define SPIRV_MOST_IDS (1u << 20)
-
-enum {
-	OP_NOP = 0,
-	OP_NAME = 5,
-	OP_LINE = 8,
-	OP_TYPE_BOOL = 20,
-	OP_TYPE_INT = 21,
-	OP_CONSTANT_TRUE = 41,
-	OP_CONSTANT_FALSE = 42,
-	OP_CONSTANT = 43,
-	OP_SPEC_CONSTANT_TRUE = 48,
-	OP_SPEC_CONSTANT_FALSE = 49,
-	OP_SPEC_CONSTANT = 50,
-	OP_SPEC_CONSTANT_OP = 52,
-	OP_FUNCTION = 54,
-	OP_FUNCTION_END = 56,
-	OP_STORE = 62,
-	OP_COPY_MEMORY_SIZED = 64,
-	OP_DECORATE = 71,
-	OP_COPY_OBJECT = 83,
-	OP_IMAGE_WRITE = 99,
-	OP_BITCAST = 124,
-	OP_I_ADD = 128,
-	OP_I_SUB = 130,
-	OP_I_MUL = 132,
-	OP_LOGICAL_EQUAL = 164,
-	OP_LOGICAL_NOT_EQUAL = 165,
-	OP_LOGICAL_OR = 166,
-	OP_LOGICAL_AND = 167,
-	OP_LOGICAL_NOT = 168,
-	OP_SELECT = 169,
-	OP_I_EQUAL = 170,
-	OP_I_NOT_EQUAL = 171,
-	OP_U_GREATER_THAN = 172,
-	OP_S_GREATER_THAN = 173,
-	OP_U_GREATER_THAN_EQUAL = 174,
-	OP_S_GREATER_THAN_EQUAL = 175,
-	OP_U_LESS_THAN = 176,
-	OP_S_LESS_THAN = 177,
-	OP_U_LESS_THAN_EQUAL = 178,
-	OP_S_LESS_THAN_EQUAL = 179,
-	OP_SHIFT_RIGHT_LOGICAL = 194,
-	OP_SHIFT_LEFT_LOGICAL = 196,
-	OP_BITWISE_OR = 197,
-	OP_BITWISE_XOR = 198,
-	OP_BITWISE_AND = 199,
-	OP_NOT = 200,
-	OP_EMIT_VERTEX = 218,
-	OP_MEMORY_BARRIER = 225,
-	OP_ATOMIC_STORE = 228,
-	OP_PHI = 245,
-	OP_LOOP_MERGE = 246,
-	OP_SELECTION_MERGE = 247,
-	OP_LABEL = 248,
-	OP_BRANCH = 249,
-	OP_BRANCH_CONDITIONAL = 250,
-	OP_SWITCH = 251,
-	OP_UNREACHABLE = 255,
-	OP_LIFETIME_STOP = 257,
-	OP_NO_LINE = 317,
-	OP_DECORATE_ID = 332,
-	OP_TERMINATE_INVOCATION = 4416,
-	OP_DEMOTE_TO_HELPER_INVOCATION = 5380,
-	OP_DECORATE_STRING = 5632,
-	DECORATION_SPEC_ID = 1,
-};
 
 typedef enum module_type { MODULE_TYPE_OTHER, MODULE_TYPE_BOOL, MODULE_TYPE_INT /* of 32 bits */ } module_type;
 
@@ -464,10 +396,16 @@ static bool structure_holds(module *m)
 	return holds;
 }
 
+/* True if a path leads to the block, and not only behind the other. */
+static bool is_before(const module_block *block, const module_block *other)
+{
+	return block->rank > 0 && block->rank <= other->rank;
+}
+
 /* The innermost construct around each block: a merge block lies where its header does, any other where a block lies
  * that leads to it, or in the construct that this one heads. Blocks that leave constructs lead to merge blocks and
- * continue targets alone. */
-static void nest(module *m)
+ * continue targets alone. False: a merge instruction names a block before its own, so that constructs would not end. */
+static bool nest(module *m)
 {
 	for (uint32_t i = 0; i < m->order_count; i++) {
 		const module_block *block = m->order[i];
@@ -476,12 +414,17 @@ static void nest(module *m)
 			if (to->rank > block->rank && !m->ids[next].exit)
 				to->inside = block->merge > 0 ? block->label : block->inside;
 		}
-		if (block->merge > 0) {
-			block_of(m, m->words[block->merge + 1])->inside = block->inside;
-			if (has_merge(m, block, OP_LOOP_MERGE) && m->words[block->merge + 2] != block->label)
-				block_of(m, m->words[block->merge + 2])->inside = block->label;
-		}
+		if (block->merge == 0)
+			continue;
+		module_block *after = block_of(m, m->words[block->merge + 1]);
+		module_block *back = has_merge(m, block, OP_LOOP_MERGE) ? block_of(m, m->words[block->merge + 2]) : after;
+		if (is_before(after, block) || (is_before(back, block) && back != block))
+			return false;
+		if (back != after && back != block)
+			back->inside = block->label;
+		after->inside = block->inside;
 	}
+	return true;
 }
 
 /* Gives the blocks that merge instructions name though nothing leads to them something to do. False: a loop would go
@@ -822,7 +765,8 @@ static void write_module(module *m)
 /* Finds what is reached, until no round finds less and the structure holds. */
 static bool solve(module *m)
 {
-	nest(m);
+	if (!nest(m))
+		return false;
 	for (uint32_t live = m->order_count + 1;;) {
 		uint32_t now = propagate(m);
 		bool fewer = now < live;
@@ -839,14 +783,13 @@ static bool solve(module *m)
 	}
 }
 
-uint32_t *gpu_vulkan_specialize(const uint32_t *words, size_t count, const stilb_gpu_program_desc *desc,
-                                size_t *out_count)
+uint32_t *gpu_specialize(const uint32_t *words, size_t count, const stilb_gpu_program_desc *desc, size_t *out_count)
 {
 	assert(words && desc && out_count);
 	module m = {.words = words, .count = (uint32_t)count};
 	if (count <= UINT32_MAX / 2 && read_module(&m, desc) && order_blocks(&m) && solve(&m)) {
-		/* A stub has at most four words, and a phi may get two more. */
-		m.out = malloc((count + (size_t)4 * m.block_count) * sizeof *m.out);
+		/* A stub has at most four words, and a phi, which has three at least, may get two more. */
+		m.out = malloc((2 * count + (size_t)4 * m.block_count) * sizeof *m.out);
 		if (m.out)
 			write_module(&m);
 	}
