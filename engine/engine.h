@@ -533,9 +533,9 @@ const char *stilb_engine_photo_whole(const stilb_engine *engine);
 
 /* Draws the scene's own camera again, without windows and other cameras over it, and writes the picture: by tiles, each
  * with what lies around it as far as effects reach, so that the pixels are those of a picture in one piece
- * (engine/photo/engine_photo.c tells where they round otherwise); with stilb_engine_photo_whole in one piece of up to 16384 pixels a side.
- * Time stands still, and the exposure stays. Temporal antialiasing takes 64 frames a tile; nothing is blurred by its
- * movement. STILB_ERROR_ARGUMENT: no frame of a scene has been drawn, the program's picture is shown
+ * (engine/photo/engine_photo.c tells where they round otherwise); with stilb_engine_photo_whole in one piece of up to
+ * 16384 pixels a side. Time stands still, and the exposure stays. Temporal antialiasing takes 64 frames a tile; nothing
+ * is blurred by its movement. STILB_ERROR_ARGUMENT: no frame of a scene has been drawn, the program's picture is shown
  * (stilb_engine_show), or the picture is larger than its one piece, or than 4 GiB. STILB_ERROR_MEMORY,
  * STILB_ERROR_DEVICE, STILB_ERROR_FILE: the next frame is as if there had been no photo. STILB_ERROR_DEVICE_LOST. */
 stilb_result stilb_engine_photo_take(stilb_engine *engine, const stilb_engine_photo *photo);
