@@ -400,12 +400,12 @@ typedef struct stilb_gi_grade {
 	/* The colour that codes of sRGB over 255 become, likewise; NULL: they stay. */
 	void (*at)(const void *user, const float code[3], float out[3]);
 	const void *user;
-	bool dither; /* up to a code more or less by the pixel, evenly about what is shown, before it is rounded; a
-	                triangle, as stilb_render_dither has it: the mean stays, and slow gradients have no bands */
+	bool dither; /* adds noise of up to one code before rounding (STILB_RENDER_DITHER_TRIANGULAR): the mean stays, and
+	                slow gradients show no bands */
 } stilb_gi_grade;
 
 /* The same; grade counts for .png of light alone: other files keep radiance, and channels are what they are.
- * NULL: none. */
+ * The file's own settings do not name the grade. NULL: none. */
 stilb_result stilb_gi_render_save_graded(stilb_gi_render *render, const char *path, const stilb_gi_grade *grade);
 
 /* Writes everything that another process needs to continue with stilb_gi_render_resume: there the same settings, scene,

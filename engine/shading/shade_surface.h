@@ -90,8 +90,9 @@ SHADE_FN float shade_light_share(shade_light light, vec3 position)
 
 /* The roughness with which the highlight of a light's centre looks like that of the whole light, whose share is
  * [0, 1]: alpha'^2 = alpha^2 + 3/16 share. Half vectors turn by half as much as the light's points, which alone would
- * be 1/8; of seven factors 3/16 is the nearest to integrals of GGX, Blinn-Phong and Phong over a sphere, a disk and a
- * rectangle. Source: Karis, "Real Shading in Unreal Engine 4" (2013), for the idea; the form is ours. */
+ * be 1/8; of seven factors that were tried 3/16 is the nearest to integrals of GGX, Blinn-Phong and Phong over a
+ * sphere, a disk and a rectangle. Source: Karis, "Real Shading in Unreal Engine 4" (2013), for the idea; the form is
+ * ours. */
 SHADE_FN float shade_roughness_under(float roughness, float share)
 {
 	float alpha = shade_alpha_from_roughness(roughness);

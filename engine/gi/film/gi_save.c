@@ -36,8 +36,9 @@ static void save_attribute(save_attributes *attributes, const char *name, const 
 	attributes->list[i] = (stilb_image_attribute){attributes->texts[i].name, attributes->texts[i].text};
 }
 
-/* Writes all settings, those of the display (GI_SETTING_VIEW) only if the file is for display, and nothing about the
- * run itself, so that a picture is the same file whether its render ran through or was stopped and continued. */
+/* Writes all settings, those of the display (GI_SETTING_VIEW; a grade has no name here) only if the file is for
+ * display, and nothing about the run itself, so that a picture is the same file whether its render ran through or was
+ * stopped and continued. */
 static void save_settings(const gi_picture *picture, bool display, save_attributes *attributes)
 {
 	attributes->count = 0;
@@ -77,7 +78,9 @@ void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint32_t 
 	}
 }
 
-/* The code with up to one more or less, evenly about itself. pixel: its number in a picture of this width. */
+/* Adds triangular noise of at most one code to a code in [0, 255]; near the ends as much as there is room for, so that
+ * the mean stays. As dithered_by_triangle of tone.frag; noise of Jimenez, "Next Generation Post Processing in Call of
+ * Duty: Advanced Warfare" (2014). pixel: its number in a picture of this width. */
 static float display_dithered(float code, size_t pixel, size_t width)
 {
 	size_t row = pixel / width;

@@ -3,15 +3,6 @@
 #include "gi/trace/gi_ray.h"
 #include "gi/trace/gi_through.h"
 
-/* The weight, by multiple importance sampling, of a direction that was chosen with density pdf and that another
- * technique chooses with density other: the power heuristic, beta = 2, written so that no square overflows.
- * Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation" (1997), 9.2.4. */
-static float mis_weight(float pdf, float other)
-{
-	float ratio = other / pdf;
-	return 1.0f / (1.0f + ratio * ratio);
-}
-
 bool gi_direct_side(const gi_bsdf *bsdf, stilb_vec3 *origin, stilb_vec3 *normal, float *choice, float *chance)
 {
 	const gi_lobes *lobes = &bsdf->layers->lobes;
@@ -56,7 +47,7 @@ static inline __attribute__((always_inline)) bool direct_ask_group(const gi_view
 	float pdf = light.pdf * side->chance, weight = 1.0f / pdf;
 	bool alone = side->part ? gi_direct_asks_alone(side->part, &light) : light.delta;
 	if (beside != GI_DIRECT_ALONE && !alone)
-		weight *= mis_weight(pdf, gi_bsdf_pdf(bsdf, light.direction));
+		weight *= gi_direct_weight(pdf, gi_bsdf_pdf(bsdf, light.direction));
 	*direct = sent * weight;
 	*shadow = gi_ray_make_of(side->part ? side->part->lit_by : GI_MASK_LIGHT, side->origin, light.direction,
 	                         light.distance, numbers[GI_DIMENSION_CHANCE]);
@@ -112,7 +103,7 @@ stilb_vec3 gi_direct_found(const gi_view *view, const gi_direct_left *left, cons
 		if (left->pdf == 0.0f)
 			return radiance;
 		bool all = left->beside != GI_DIRECT_WITH_RAY;
-		return radiance * mis_weight(left->pdf, gi_environment_pdf(lights, left->normal, direction, all));
+		return radiance * gi_direct_weight(left->pdf, gi_environment_pdf(lights, left->normal, direction, all));
 	}
 	const gi_part *part = &view->scene->parts[surface->part];
 	if (left->pdf == 0.0f || part->first_light == GI_NO_LIGHT || !surface->front)
@@ -120,7 +111,7 @@ stilb_vec3 gi_direct_found(const gi_view *view, const gi_direct_left *left, cons
 	STILB_ASSERT(surface->part == ray->hit.part && surface->triangle == ray->hit.triangle);
 	float asked = gi_light_pdf(lights, gi_ray_origin(&ray->ray), left->normal, part->first_light + surface->triangle,
 	                           ray->ray.t_max);
-	return surface->emission * mis_weight(left->pdf, asked);
+	return surface->emission * gi_direct_weight(left->pdf, asked);
 }
 
 stilb_vec3 gi_direct_find(const gi_view *view, const gi_direct_left *left, uint32_t part, const gi_ray_hit *ray,

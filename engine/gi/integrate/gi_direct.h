@@ -18,6 +18,15 @@ typedef enum gi_direct_beside {
 	GI_DIRECT_WITH_HIGHLIGHT,
 } gi_direct_beside;
 
+/* The weight, by multiple importance sampling, of a direction that was chosen with density pdf and that another
+ * technique chooses with density other: the power heuristic, beta = 2, written so that no square overflows.
+ * Source: Veach, "Robust Monte Carlo Methods for Light Transport Simulation" (1997), 9.2.4. */
+static inline float gi_direct_weight(float pdf, float other)
+{
+	float ratio = other / pdf;
+	return 1.0f / (1.0f + ratio * ratio);
+}
+
 /* Samples one light of each group. direct[i]: radiance that the surface reflects towards its viewer if nothing is on
  * the shadow ray shadows[i], which the caller passes to gi_tracer.occluded; returns how many there are, at most
  * GI_LIGHT_GROUPS. origin: gi_surface_ray_origin, on the viewer's side. numbers: gi_sample_8 of the vertex. Unless it

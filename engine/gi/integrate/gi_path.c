@@ -179,11 +179,11 @@ static void path_lit_by(path_wave *wave, const path_state *path, const path_vert
 	float cosine = stilb_vec3_dot(vertex->surface.normal, light->direction);
 	if (!(cosine > 0.0f) || !(stilb_vec3_dot(vertex->surface.geometric, light->direction) > 0.0f))
 		return;
-	float ratio = cosine * SHADE_INV_PI / light->pdf; /* as in lanes_ask */
+	float ratio = cosine * SHADE_INV_PI / light->pdf; /* the next ray has the density cosine / pi */
 	stilb_vec4 towards = light->direction;
 	towards[3] = light->distance;
 	path_lit(wave, path, vertex, origin, towards, light->radiance,
-	         light->delta ? ratio : ratio / (1.0f + ratio * ratio));
+	         light->delta ? ratio : ratio * gi_direct_weight(light->pdf, cosine * SHADE_INV_PI));
 }
 
 /* Asks a matt vertex's lights but for a rectangle. */

@@ -16,7 +16,7 @@
 #define GI_LANES 16u
 
 typedef struct gi_lanes {
-	const gi_surface *surfaces[GI_LANES]; /* without layers; what is not matt about them is not looked at */
+	const gi_surface *surfaces[GI_LANES]; /* also of vertices that are not matt, whose results nobody reads */
 	const float *numbers[GI_LANES];       /* gi_sample_8 of the vertex */
 	/* Out, of leave. */
 	stilb_vec4 origin[GI_LANES]; /* of rays that leave the surface: gi_surface_ray_origin on the viewer's side */

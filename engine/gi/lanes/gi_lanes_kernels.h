@@ -26,7 +26,7 @@ GI_LANE void lanes_rows(const void *a, const void *b, const void *c, const void 
 		memcpy(&rows[i][first], &m[i], sizeof m[i]);
 }
 
-/* The vectors at offset bytes behind sixteen pointers, as rows. */
+/* The four numbers that begin at this member of sixteen structs, as rows. */
 #define LANES_GATHER(pointers, member, rows)                                                                           \
 	for (uint32_t first = 0; first < GI_LANES; first += 4)                                                             \
 	lanes_rows(&(pointers)[first]->member, &(pointers)[first + 1]->member, &(pointers)[first + 2]->member,             \
@@ -111,6 +111,7 @@ GI_LANE void lanes_points(const gi_lanes *lanes, const rectangle_rows *rows, con
 		float dx = cx + ax * x + bx * y, dy = cy + ay * x + by * y, dz = cz + az * x + bz * y;
 		float distance = sqrtf(dx * dx + dy * dy + dz * dz), scale = 1.0f / distance;
 		float density = gi_select(by_angle, 1.0f / seen.solid_angle, distance * distance * distance / (height * area));
+		/* gi_shadow_distance without its asserts: where no light is asked, these are any numbers. */
 		float end = distance - (rows->sizes[3][i] + 0x1p-21f * distance) / (height * scale);
 		light[0][i] = dx * scale;
 		light[1][i] = dy * scale;
@@ -119,6 +120,12 @@ GI_LANE void lanes_points(const gi_lanes *lanes, const rectangle_rows *rows, con
 		pdf[i] = height > 0.0f ? density : INFINITY;
 	}
 }
+
+static_assert(offsetof(gi_light_shape, length_2) == offsetof(gi_light_shape, length_1) + sizeof(float) &&
+                  offsetof(gi_light_shape, area) == offsetof(gi_light_shape, length_1) + 2 * sizeof(float) &&
+                  offsetof(gi_light_shape, error) == offsetof(gi_light_shape, length_1) + 3 * sizeof(float),
+              "rectangle_rows.sizes are read at once");
+static_assert(GI_DIMENSION_LIGHT + 1 < 4 && GI_DIMENSION_DIRECTION + 1 < 4, "of numbers the first four are read");
 
 static void lanes_ask(gi_lanes *lanes)
 {
@@ -138,7 +145,7 @@ static void lanes_ask(gi_lanes *lanes)
 		float cosine = lanes->rows_normal[0][i] * x + lanes->rows_normal[1][i] * y + lanes->rows_normal[2][i] * z;
 		float above =
 			lanes->rows_geometric[0][i] * x + lanes->rows_geometric[1][i] * y + lanes->rows_geometric[2][i] * z;
-		/* The BRDF is reflectance / pi, `next` has the density cosine / pi; power heuristic as in gi_direct.c. */
+		/* The BRDF is reflectance / pi, `next` has the density cosine / pi; gi_direct_weight. */
 		float ratio = cosine * SHADE_INV_PI / (pdf[i] * lanes->chance[i]);
 		int32_t counts = (above > 0.0f) & (cosine > 0.0f) & (ratio < INFINITY);
 		lanes->weight[i] = counts ? ratio / (1.0f + ratio * ratio) : 0.0f;

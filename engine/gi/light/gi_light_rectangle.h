@@ -14,7 +14,7 @@
 #define GI_LIGHT_SQUARE_MIN 1e-14f /* lower bound of divisors */
 
 /* A rectangle as seen from a point above its plane, with that point as the origin, x along edge_1 and y along edge_2:
- * it is [x0, x1] x [y0, y1], and the point lies so high above it. Names of Urena, Fajardo and King: b0, b1 are z of the
+ * it is [x0, x1] x [y0, y1], `height` below the point. Names of Urena, Fajardo and King: b0, b1 are z of the
  * normals of the planes through the point and the edges at y0 and y1. The sum of the angles between neighbouring planes
  * less 2 pi is the solid angle; rest is 2 pi less the two angles at x0. */
 typedef struct gi_rectangle_seen {
