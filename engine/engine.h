@@ -537,7 +537,9 @@ const char *stilb_engine_photo_whole(const stilb_engine *engine);
  * 16384 pixels a side. Time stands still, and the exposure stays. Temporal antialiasing takes 64 frames a tile; nothing
  * is blurred by its movement. STILB_ERROR_ARGUMENT: no frame of a scene has been drawn, the program's picture is shown
  * (stilb_engine_show), or the picture is larger than its one piece, or than 4 GiB. STILB_ERROR_MEMORY,
- * STILB_ERROR_DEVICE, STILB_ERROR_FILE: the next frame is as if there had been no photo. STILB_ERROR_DEVICE_LOST. */
+ * STILB_ERROR_DEVICE, STILB_ERROR_FILE: the next frame is as after a photo. STILB_ERROR_DEVICE_LOST. After a photo
+ * temporal antialiasing begins anew, and a paused step has no motion blur. Features of the program's own may look 64
+ * pixels around a pixel; what they find beyond is cut at tiles. */
 stilb_result stilb_engine_photo_take(stilb_engine *engine, const stilb_engine_photo *photo);
 
 /* Waits until all pictures of stilb_engine_picture are written and desc.pictured has been told of them; so does

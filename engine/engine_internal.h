@@ -282,7 +282,7 @@ struct stilb_engine {
 	/* Stops of the scene's camera that do not count while the exposure adapts, since the user has switched that on:
 	 * they may have been metered. */
 	float exposure_base;
-	bool exposure_based; /* the user has */
+	bool exposure_based; /* the user has switched that on, so a scene that comes sets exposure_base anew */
 	bool holds;          /* nothing has moved since clips were paused: motion blur shows what moved before */
 	/* The image that the program shows is of velocities, or in the same passes; of surfaces; of ambient_apart. */
 	bool shows_velocity, shows_surfaces, shows_ambient;

@@ -295,7 +295,7 @@ stilb_result engine_frame_again(stilb_engine *engine, bool hidden)
 	engine_cameras_frame(engine);
 	engine->shadows.valid &= !hidden;
 	if (result == STILB_OK && engine->part.width > 0)
-		result = update_render(engine); /* what moved in the last frame stands still */
+		result = update_render(engine); /* reads the scene's changes again: none since, so that velocities are 0 */
 	if (result == STILB_OK)
 		result = engine_shadows_frame(engine);
 	if (engine->part.width > 0)

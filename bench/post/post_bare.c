@@ -73,7 +73,8 @@ static bool bare_source(const post_bare *bare, uint16_t resource, bare_read *rea
 
 static void bare_take_writes(post_bare *bare, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass)
 {
-	if (bare->count == BARE_ROWS || pass->color_count > BARE_COLORS || pass->use_count > BARE_READS)
+	bool reads = (pass->use_count >= 1 && pass->use_count <= 4) || pass->use_count == BARE_READS;
+	if (bare->count == BARE_ROWS || pass->color_count > BARE_COLORS || !reads)
 		bench_child_fail("row '%s' has no bare one: make room in post_bare.c", pass->name);
 	bare_row *row = &bare->rows[bare->count++];
 	row->color_count = pass->color_count;

@@ -42,6 +42,20 @@ static stilb_engine_report draw(stilb_engine *engine)
 	return report;
 }
 
+/* CPU time of a frame, ms: the least of those after the first two, in half of the child's time, of eight at least. */
+static double least_ms(const bench_child *child, stilb_engine *engine)
+{
+	double best = HUGE_VAL;
+	uint64_t end = bench_child_now_ns() + (uint64_t)(child->seconds * 5e8);
+	for (uint32_t frame = 0; frame < 8 || bench_child_now_ns() < end; frame++) {
+		double start = cpu_ms(), gpu;
+		draw(engine);
+		require(stilb_engine_wait(engine, &gpu));
+		best = frame > 1 ? fmin(best, cpu_ms() - start) : best;
+	}
+	return best;
+}
+
 /* ---- triangles --------------------------------------------------------------------------------------------------- */
 
 typedef struct counted {
@@ -67,15 +81,8 @@ static double frame_ms(const bench_child *child, uint32_t models, stilb_engine_s
 	stilb_engine_desc desc = stilb_engine_desc_default();
 	desc.shadows = (stilb_engine_shadows){.kind = kind, .cascades = 3, .size = 1024};
 	desc.detail = (stilb_render_detail){STILB_RENDER_DETAIL_POP, 0.5f};
-	double best = HUGE_VAL;
 	stilb_engine *engine = open_engine(desc, models, true);
-	uint64_t end = bench_child_now_ns() + (uint64_t)(child->seconds * 5e8);
-	for (uint32_t frame = 0; frame < 6 || bench_child_now_ns() < end; frame++) {
-		double start = cpu_ms(), gpu;
-		draw(engine);
-		require(stilb_engine_wait(engine, &gpu));
-		best = frame > 0 ? fmin(best, cpu_ms() - start) : best;
-	}
+	double best = least_ms(child, engine);
 	stress_engine_destroy(engine);
 	return best;
 }
@@ -113,14 +120,7 @@ static double views_ms(const bench_child *child, uint32_t models, stilb_engine_s
 	desc.shadows = (stilb_engine_shadows){.kind = kind, .cascades = SHADOWS_CASCADES, .size = SHADOWS_SIZE};
 	require(stilb_engine_create(&desc, &engine));
 	require(stilb_engine_set_scene(engine, scene));
-	double best = HUGE_VAL;
-	uint64_t end = bench_child_now_ns() + (uint64_t)(child->seconds * 5e8);
-	for (uint32_t frame = 0; frame < 8 || bench_child_now_ns() < end; frame++) {
-		double start = cpu_ms(), gpu;
-		draw(engine);
-		require(stilb_engine_wait(engine, &gpu));
-		best = frame > 1 ? fmin(best, cpu_ms() - start) : best;
-	}
+	double best = least_ms(child, engine);
 	*triangles = (double)stilb_engine_triangles(engine);
 	stress_engine_destroy(engine);
 	return best;

@@ -13,7 +13,6 @@
 #define FILL_TRIES 20
 #define EVEN 1e-3       /* relative: a transform whose axes are as long, and as perpendicular, scales evenly */
 #define ROUND_OFF 1e-3f /* texels that a chart may be wider than a whole number of them */
-#define MOST_PAGES 1024u
 
 stilb_bake_atlas_options stilb_bake_atlas_options_default(void)
 {
@@ -241,17 +240,22 @@ static stilb_result place_charts(const atlas_make *make)
 	bool given = density > 0.0f;
 	if (!given)
 		density = area > 0.0 ? (float)sqrt(FILL * texels / area) : 1.0f;
-	if (result == STILB_OK && area * (double)density * (double)density > texels * MOST_PAGES)
+	if (result == STILB_OK && area * (double)density * (double)density > texels * STILB_BAKE_MAX_PAGES)
 		result = stilb_fail(STILB_ERROR_ARGUMENT,
-		                    "%g texels a metre are %.3g texels, more than %u pages of %u x %u; give fewer, %g at most",
-		                    (double)density, area * (double)density * (double)density, MOST_PAGES, atlas->side,
-		                    atlas->side, sqrt(texels * MOST_PAGES / area));
+		                    "%g texels a metre are %.3g texels, more than %u pages of %u x %u; give %g at most",
+		                    (double)density, area * (double)density * (double)density, STILB_BAKE_MAX_PAGES,
+		                    atlas->side, atlas->side, sqrt(texels * STILB_BAKE_MAX_PAGES / area));
 	for (int tries = 0; tries < FILL_TRIES && result == STILB_OK; tries++) {
 		result = pack_at(make, density, rects);
 		if (given || atlas->page_count <= 1)
 			break;
 		density *= (float)FILL_STEP;
 	}
+	if (result == STILB_OK && atlas->page_count > STILB_BAKE_MAX_PAGES)
+		result = stilb_fail(STILB_ERROR_ARGUMENT,
+		                    "%u charts with their borders take %u pages of %u x %u, and there are up to %u; give "
+		                    "larger pages, or fewer texels a metre",
+		                    atlas->place_count, atlas->page_count, atlas->side, atlas->side, STILB_BAKE_MAX_PAGES);
 	for (uint32_t i = 0; i < atlas->place_count && result == STILB_OK; i++) {
 		atlas->places[i].page = rects[i].page;
 		atlas->places[i].x = rects[i].x + atlas->border;

@@ -54,7 +54,8 @@ typedef struct stilb_bake_atlas {
 } stilb_bake_atlas;
 
 /* Hidden models and parts without a mesh have no texels. STILB_ERROR_MEMORY; STILB_ERROR_ARGUMENT: there would be more
- * than 2^31 charts, or 2^32 texels; then *out is NULL. */
+ * than 2^31 charts, or than STILB_BAKE_MAX_PAGES; then *out is NULL. */
+#define STILB_BAKE_MAX_PAGES 1024u
 stilb_result stilb_bake_atlas_create(const stilb_scene *scene, const stilb_bake_atlas_options *options,
                                      stilb_job_pool *pool, stilb_bake_atlas **out);
 

@@ -325,13 +325,13 @@ static stilb_result write_pieces(glb_write *w, stilb_file *body, uint64_t *size)
 		const stilb_scene_mesh *mesh = &w->scene->meshes[w->scene->part_mesh[part]];
 		if (!write_room(w, mesh->index_count / 3, mesh->vertex_count))
 			return stilb_fail(STILB_ERROR_MEMORY, "out of memory for a mesh of %u vertices", mesh->vertex_count);
-		uint8_t pages[128] = {0}; /* of 1,024 at most, those that the part has charts on */
+		uint8_t pages[STILB_BAKE_MAX_PAGES / 8] = {0}; /* those that the part has charts on */
 		for (uint32_t c = 0; c < w->atlas->uvs[uv].chart_count; c++) {
 			uint32_t page = w->atlas->places[w->atlas->parts[part].first_place + c].page;
-			pages[page / 8 % 128] |= (uint8_t)(1u << page % 8);
+			pages[page / 8] |= (uint8_t)(1u << page % 8);
 		}
 		for (uint32_t page = 0; page < w->atlas->page_count; page++) {
-			if (!(pages[page / 8 % 128] >> page % 8 & 1))
+			if (!(pages[page / 8] >> page % 8 & 1))
 				continue;
 			glb_piece piece = piece_make(w, part, page);
 			if (piece.index_count == 0)

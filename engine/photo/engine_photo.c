@@ -132,7 +132,11 @@ static stilb_result photo_check(const stilb_engine *engine, const stilb_engine_p
 		return stilb_fail(STILB_ERROR_ARGUMENT,
 		                  "%ux%u is more than one piece of %u, and %s; switch that off, or take a smaller picture",
 		                  photo->width, photo->height, PHOTO_PIECE, whole);
-	return STILB_OK;
+	uint64_t bytes = (uint64_t)photo->width * photo->height * (stilb_image_path_is_light(photo->path) ? 12 : 4);
+	if (bytes > STILB_IMAGE_MAX_BYTES)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "a photo of %ux%u takes %.3g GiB; give one of up to 4", photo->width,
+		                  photo->height, (double)bytes * 0x1p-30);
+	return stilb_image_path_check(photo->path);
 }
 
 stilb_result stilb_engine_photo_take(stilb_engine *engine, const stilb_engine_photo *photo)

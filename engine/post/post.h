@@ -257,8 +257,8 @@ void stilb_post_hold(stilb_post *post, bool held);
  * by its movement, and count nothing for the exposure. */
 void stilb_post_set_whole(stilb_post *post, uint32_t height);
 
-/* What the next replay's view into the main images sees: read are view_projection, last, camera_position, exposure,
- * show. At first a view of zeros, by which nothing is occluded or blurred. */
+/* What the next replay's view into the main images sees: read are view_projection, jitter, last, camera_position,
+ * exposure, show. At first a view of zeros, by which nothing is occluded or blurred. */
 void stilb_post_see(stilb_post *post, const stilb_render_view *view);
 
 /* ---- grade ------------------------------------------------------------------------------------------------------- */

@@ -65,16 +65,7 @@ static stilb_result far_pass(stilb_post *post, stilb_gpu_plan *plan, const far_p
 	if (result != STILB_OK)
 		return result;
 	bool shows = number == POST_MOTION_FAR_SHOW;
-	pass.name = shows ? "motion blur" : "far blur";
-	pass.kind = STILB_GPU_PASS_FULLSCREEN;
-	pass.program = program.id;
-	pass.color_count = 1;
-	pass.color[0].load = STILB_GPU_LOAD_DISCARD;
-	pass.use_count = shows ? 3 : 2;
-	for (uint32_t u = 0; u < pass.use_count; u++) {
-		pass.uses[u].how = STILB_GPU_USE_SAMPLED;
-		pass.uses[u].slot = (uint16_t)u;
-	}
+	post_row_fill(&pass, shows ? "motion blur" : "far blur", program, 1, shows ? 3 : 2);
 	memcpy(pass.constants, push, sizeof *push);
 	pass.constant_bytes = sizeof *push;
 	stilb_gpu_plan_pass(plan, &pass);

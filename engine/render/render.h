@@ -645,8 +645,8 @@ typedef struct stilb_render_shadows {
 typedef struct stilb_render_shadow_reading {
 	bool no_plane; /* texels are compared with the point's own depth */
 	bool no_way;   /* the point stays where it is: surfaces are not off */
-	bool
-		things; /* directional lights' maps have some things alone: besides, STILB_RENDER_IMAGE_MASK keeps light back */
+	bool things;   /* maps of directional lights hold near things alone; what all else keeps back is in
+	                  STILB_RENDER_IMAGE_MASK, and a pixel gets the less of both shares */
 	uint32_t
 		taps; /* 1, 4, 12: so many comparisons, each of the four texels around a place, in a pattern that alternates
 	                  from pixel to pixel, in place of the filter, whose width the bias has. 0: none */
@@ -685,8 +685,6 @@ typedef struct stilb_render_grade {
 	float low[3], high[3]; /* the codes of the first and the last entry; beyond these the nearest counts */
 } stilb_render_grade;
 
-/* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
- * are compiled during stilb_render_replay, which then takes some milliseconds, and kept. */
 /* What passes into the main images keep light in; the frame's light, which features and the tone map get, is half
  * floats. In 8 bits it is multiplied by 2^exposure, so that display white is 1 (shading/shade_encoding.h): with a row
  * that decodes it or, of several samples, makes the mean of what they decode to. Frames that add or blend light keep
@@ -705,6 +703,8 @@ typedef enum stilb_render_hdr { STILB_RENDER_HDR_KINDS(STILB_RENDER_HDR_ENUM) ST
 /* Their identifiers, NULL-terminated; the index is the stilb_render_hdr. */
 extern const char *const stilb_render_hdr_names[];
 
+/* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
+ * are compiled during stilb_render_replay, which then takes some milliseconds, and kept. */
 typedef struct stilb_render_view {
 	const stilb_render_target *target; /* NULL: the main images, as large as the picture, which show in all of it */
 	stilb_mat4 view_projection;        /* world to clip space: depth 1 is near, 0 is far, y points down */

@@ -195,6 +195,8 @@ static stilb_result save_picture(const bake_run *run, const bake_page *page, uin
 
 static stilb_result save_glb(bake_run *run)
 {
+	if (!(run->options.what & BAKE_GLB))
+		return STILB_OK;
 	char path[BAKE_PATH];
 	stilb_bake_glb_files files = {.lightmap =
 	                                  run->options.what & (BAKE_LIGHTMAP | BAKE_INTENSITY) ? "lightmap-%u.exr" : NULL,
@@ -204,7 +206,7 @@ static stilb_result save_glb(bake_run *run)
 }
 
 /* What was made, and how: bake.json. */
-static stilb_result save_report(const bake_run *run)
+static stilb_result save_report(bake_run *run)
 {
 	const bake_options *o = &run->options;
 	const stilb_bake_atlas *atlas = run->atlas;
@@ -439,6 +441,8 @@ static stilb_result save_probes(const bake_run *run)
 static stilb_result bake_probes(bake_run *run)
 {
 	const bake_options *o = &run->options;
+	if (!(o->what & BAKE_PROBES))
+		return STILB_OK;
 	uint64_t start = run->said_ns = stilb_time_ns();
 	stilb_gi_settings settings = stilb_gi_settings_default(run->scene);
 	settings.samples = (uint32_t)o->probe_samples;
@@ -457,8 +461,8 @@ static stilb_result bake_probes(bake_run *run)
 	stilb_gi_gather_destroy(gather);
 	run->probes_s = seconds_since(start);
 	if (result == STILB_OK)
-		result = save_seen(run);
-	return result == STILB_OK ? save_probes(run) : result;
+		result = save_probes(run);
+	return result == STILB_OK ? save_seen(run) : result;
 }
 
 /* ---- the command ------------------------------------------------------------------------------------------------- */
@@ -533,7 +537,7 @@ static stilb_result bake_prepare(bake_run *run)
 }
 
 /* Makes the folder if it is not there, and finds out whether files can be written to it. */
-static stilb_result bake_folder(const bake_run *run)
+static stilb_result bake_folder(bake_run *run)
 {
 	const char *folder = run->options.output;
 	char path[BAKE_PATH];
@@ -547,22 +551,16 @@ static stilb_result bake_folder(const bake_run *run)
 
 static stilb_result bake_all(bake_run *run)
 {
-	stilb_result result = bake_folder(run);
-	if (result == STILB_OK)
-		result = bake_pool(run);
-	if (result == STILB_OK)
-		result = bake_open(run);
-	if (result == STILB_OK)
-		result = bake_unwrap(run);
-	if (result == STILB_OK)
-		result = bake_prepare(run);
-	if (result == STILB_OK)
-		result = bake_pages(run);
-	if (result == STILB_OK && (run->options.what & BAKE_GLB))
-		result = save_glb(run);
-	if (result == STILB_OK && (run->options.what & BAKE_PROBES))
-		result = bake_probes(run);
-	return result == STILB_OK ? save_report(run) : result;
+	stilb_result (*const steps[])(bake_run *) = {bake_folder, bake_pool, bake_open,   bake_unwrap, bake_prepare,
+	                                             bake_pages,  save_glb,  bake_probes, save_report};
+	size_t count = sizeof steps / sizeof *steps;
+	stilb_result result = STILB_OK;
+	for (size_t i = 0; i < count && result == STILB_OK; i++) {
+		result = steps[i](run);
+		if (result == STILB_OK && bake_interrupted && i + 1 < count)
+			result = stilb_fail(STILB_ERROR_GIVEN_UP, "ended by a signal; pages that were finished stay");
+	}
+	return result;
 }
 
 static void bake_say(const bake_run *run)

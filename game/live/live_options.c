@@ -145,7 +145,7 @@ static const char *const live_images[][2] = {
 	{"reflection", "likewise what highlights mirror"},
 };
 
-/* Flags that a preset says, too, in the order of the bits of post_given. */
+/* Flags that a preset says, too, in the order of the bits of look_given, and of `words` in live_options_look. */
 static const char *const live_look_flags[] = {"--ao",
                                               "--ao-radius",
                                               "--bloom",
@@ -242,7 +242,12 @@ stilb_result live_options_look_of(const live_options *o, const stilb_engine *eng
 		made->areas[a] = from->areas[a]; /* with the tables of that one, which is there */
 		made->area_files[a] = live_copy(from->area_files[a]);
 	}
+	bool named = !grade == !made->grade_file;
+	for (uint32_t a = 0; a < made->area_count; a++)
+		named &= !from->area_files[a] == !made->area_files[a];
 	stilb_result result = grade ? stilb_post_table_open(grade, &made->grade) : STILB_OK;
+	if (!named)
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a preset");
 	if (result == STILB_OK)
 		return STILB_OK;
 	stilb_post_preset_destroy(made);
@@ -499,6 +504,9 @@ static bool live_check_photo(const live_options *o)
 		stilb_log("--photo-tile is of --photo WxH; give that, too");
 	else if (o->photo[0] > 0 && o->pictures > 0)
 		stilb_log("--photo is of one picture, and there are %" PRIu64 "; give them that --size", o->pictures);
+	else if ((uint64_t)o->photo[0] * o->photo[1] * 4 > STILB_IMAGE_MAX_BYTES)
+		stilb_log("--photo: a picture of %" PRIu64 "x%" PRIu64 " takes more than 4 GiB; give a smaller one",
+		          (uint64_t)o->photo[0], (uint64_t)o->photo[1]);
 	else if (o->photo[0] > 0 && o->headless && !o->screenshot)
 		stilb_log("--photo: without a window it needs --screenshot FILE");
 	else

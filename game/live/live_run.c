@@ -262,10 +262,13 @@ static void live_keep_look(live_run *run)
 		if (result != STILB_OK)
 			unlink(path);
 	}
-	snprintf(text, sizeof text, "%s written; --preset shows it", path ? path : "");
-	live_run_say(run, result, "preset", path);
-	if (result == STILB_OK)
+	if (result == STILB_OK) {
+		live_run_say(run, result, "preset", path);
+		snprintf(text, sizeof text, "%s written; --preset shows it", path);
 		live_run_tell(run, text);
+	} else {
+		live_run_warn(run, stilb_error_message());
+	}
 	free(path);
 }
 

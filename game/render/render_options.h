@@ -42,7 +42,7 @@ typedef struct offline_options {
 	bool merge;        /* of --help alone: render_merge.h reads it */
 	bool guest;        /* one of the ranks of mpirun that write nothing */
 	const char *grade; /* NULL: none */
-	int dither;        /* 1: before 8 bits */
+	int dither;        /* index into offline_dithers; 1: noise of one code before rounding to 8 bits */
 	bool denoise, preview, resume, dry_run, force, show_records;
 } offline_options;
 

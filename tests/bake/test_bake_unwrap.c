@@ -274,6 +274,44 @@ static void test_broken_triangles_get_no_chart(void **state)
 }
 
 /* Three leaves of a book, a leaf there twice, and one that is turned over: each has a place of its own. */
+/* A hundred thousand vertices that are nowhere: no two of them are the same, which is found without looking at all. */
+static void test_many_vertices_are_nowhere(void **state)
+{
+	(void)state;
+	made_mesh made = made_empty(100000, 100000);
+	for (uint32_t v = 0; v < 100000; v++)
+		made_set(made.positions[v], NAN, 0.0f, 0.0f);
+	for (uint32_t i = 0; i < 300000; i++)
+		made.indices[i] = i % 100000;
+	stilb_bake_uv uv = unwrapped(&made);
+	assert_int_equal(uv.invalid, 100000);
+	assert_int_equal(uv.chart_count, 0);
+	stilb_bake_uv_finish(&uv);
+	made_finish(&made);
+}
+
+/* A flat star of 20,000 rays: sides of its border are as long as it is, and there is no room to look at all pairs. */
+static void test_a_star(void **state)
+{
+	(void)state;
+	enum { RAYS = 20000, CORNERS = 2 * RAYS };
+	made_mesh made = made_empty(CORNERS + 1, CORNERS);
+	for (uint32_t v = 0; v < CORNERS; v++) {
+		double angle = 2.0 * M_PI * v / CORNERS, radius = v % 2 ? 1.0 : 0.01;
+		made_set(made.positions[v + 1], (float)(radius * cos(angle)), (float)(radius * sin(angle)), 0.0f);
+		made.indices[3 * v] = 0;
+		made.indices[3 * v + 1] = v + 1;
+		made.indices[3 * v + 2] = (v + 1) % CORNERS + 1;
+	}
+	stilb_bake_uv uv = unwrapped(&made);
+	assert_int_equal(uv.invalid + uv.flat, 0);
+	for (uint32_t t = 0; t < CORNERS; t++)
+		assert_true(uv.chart[t] < uv.chart_count);
+	assert_in_range(uv.chart_count, 2, RAYS);
+	stilb_bake_uv_finish(&uv);
+	made_finish(&made);
+}
+
 static void test_odd_edges_end_charts(void **state)
 {
 	(void)state;
@@ -378,6 +416,8 @@ int main(void)
 		test_one_thread(test_what_turns_over_is_cut),
 		test_one_thread(test_a_fold_inside_is_no_map),
 		test_one_thread(test_broken_triangles_get_no_chart),
+		test_one_thread(test_many_vertices_are_nowhere),
+		test_one_thread(test_a_star),
 		test_one_thread(test_odd_edges_end_charts),
 		test_one_thread(test_nothing_and_one),
 		test_one_thread(test_soup),

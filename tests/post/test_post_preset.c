@@ -171,7 +171,8 @@ static void saved_is_read_again(void **state)
 		"{\"exposure\": \"adapt\", \"exposure_percentiles\": [0, 0.5], \"exposure_speed\": 1.5, \"exposure_rate\": 3,"
 		"\"exposure_range\": [-2, 5.1], \"ao\": 0.1, \"ao_radius\": 7, \"bloom\": 0.07, \"bloom_width\": 0.75,"
 		"\"bloom_format\": \"fixed\", \"post\": \"gpu\", \"aa\": \"temporal\", \"motion_blur\": 0.3,"
-		"\"motion_blur_most\": 0.2, \"reflections\": \"crude\", \"dof\": \"lerp\", \"aperture\": 0.01, \"focus\": 3.3,"
+		"\"motion_blur_most\": 0.2, \"motion_blur_of\": \"far\", \"motion_blur_far\": 12.5,"
+		"\"reflections\": \"crude\", \"dof\": \"lerp\", \"aperture\": 0.01, \"focus\": 3.3,"
 		"\"blades\": 6, \"tone\": \"piecewise\", \"grade\": \"warm.cube\", \"dither\": \"triangular\","
 		"\"areas\": [{\"low\": [-1, -2, -3], \"high\": [1, 2.2, 3], \"blend\": 0, \"exposure\": -1.5,"
 		"\"grade\": \"cold.cube\"}, {\"low\": [4, 5, 6], \"high\": [7, 8, 9]}]}",

@@ -9,9 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SQUEEZED 1e-4   /* of a triangle's area, the mean scale taken out: smaller in the map counts as nothing */
-#define TOUCH 1e-6      /* of the patch's extent: sides that are closer touch */
-#define CELLS_MOST 1024 /* of the grid that finds neighbours, each way */
+#define SQUEEZED 1e-4        /* of a triangle's area, the mean scale taken out: smaller in the map counts as nothing */
+#define TOUCH 1e-6           /* of the patch's extent: sides that are closer touch */
+#define CELLS_MOST 1024      /* of the grid that finds neighbours, each way */
+#define SIDE_CELLS_MOST 256u /* of a side, on the mean */
 
 static bool nothing_turned(const bake_patch *patch)
 {
@@ -130,7 +131,20 @@ static void grid_size(const bake_patch *patch, side_grid *grid)
 		grid->per_cell[k] = high[k] > grid->low[k] ? grid->cells / (high[k] - grid->low[k]) : 0.0;
 }
 
-/* Sorts the sides into cells. */
+/* True if sides are in so many cells that the search would take too long: long ones all over a star, for example. Such
+ * a chart counts as no good, and is cut. */
+static bool grid_is_crowded(const bake_patch *patch, const side_grid *grid)
+{
+	uint64_t entries = 0, most = (uint64_t)patch->border_count * SIDE_CELLS_MOST;
+	uint32_t box[4];
+	for (uint32_t i = 0; i < patch->border_count && entries <= most; i++) {
+		grid_box(patch, grid, i, box);
+		entries += (uint64_t)(box[2] - box[0] + 1) * (box[3] - box[1] + 1);
+	}
+	return entries > most || entries > UINT32_MAX;
+}
+
+/* Sorts the sides into cells; the grid is not crowded. */
 static bool grid_fill(const bake_patch *patch, side_grid *grid)
 {
 	uint32_t cells = grid->cells * grid->cells, box[4];
@@ -174,8 +188,9 @@ stilb_result bake_patch_is_good(const bake_patch *patch, bool *good)
 	side_grid grid = {0};
 	uint32_t *next = stilb_memory_alloc(patch->vertex_count, sizeof *next);
 	grid_size(patch, &grid);
-	bool there = next && grid_fill(patch, &grid);
-	if (there)
+	*good = !grid_is_crowded(patch, &grid);
+	bool there = next && (!*good || grid_fill(patch, &grid));
+	if (there && *good)
 		*good = loops_around(patch, next) == 1 && !grid_crosses(patch, &grid);
 	free(next);
 	free(grid.first);

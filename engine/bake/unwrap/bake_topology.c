@@ -42,6 +42,14 @@ static size_t table_size(size_t count)
 	return size;
 }
 
+static bool is_place(const float position[3])
+{
+	for (int i = 0; i < 3; i++)
+		if (!(fabsf(position[i]) <= (float)FARTHEST))
+			return false;
+	return true;
+}
+
 /* [vertex_count] the first vertex at the same position; NULL: no memory. */
 static uint32_t *first_vertices(const stilb_bake_mesh *mesh)
 {
@@ -52,6 +60,9 @@ static uint32_t *first_vertices(const stilb_bake_mesh *mesh)
 		memset(table, 0xff, size * sizeof *table);
 		for (uint32_t v = 0; v < mesh->vertex_count; v++) {
 			const float *position = position_of(mesh, v);
+			first[v] = v;
+			if (!is_place(position)) /* NaN is nowhere, not even where another NaN is */
+				continue;
 			size_t at = position_hash(position) & (size - 1);
 			while (table[at] != BAKE_NONE && !same_position(position_of(mesh, table[at]), position))
 				at = (at + 1) & (size - 1);
@@ -68,14 +79,6 @@ static uint32_t *first_vertices(const stilb_bake_mesh *mesh)
 }
 
 /* ---- triangles --------------------------------------------------------------------------------------------------- */
-
-static bool is_place(const float position[3])
-{
-	for (int i = 0; i < 3; i++)
-		if (!(fabsf(position[i]) <= (float)FARTHEST))
-			return false;
-	return true;
-}
 
 /* Fills place, normal and area. */
 static void measure_triangle(const stilb_bake_mesh *mesh, uint32_t t, bake_topology *topology)

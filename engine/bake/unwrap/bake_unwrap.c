@@ -337,6 +337,8 @@ double stilb_bake_stretch(const stilb_bake_mesh *mesh, const stilb_bake_uv *uv)
 		double ax = (double)at[0][0], ay = (double)at[0][1], bx = (double)at[1][0], by = (double)at[1][1],
 			   cx = (double)at[2][0], cy = (double)at[2][1];
 		double area2 = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+		if (!(area2 > 0.0)) /* rounded to nothing: a millimetre on a map of 10 km */
+			continue;
 		for (int k = 0; k < 3; k++) {
 			double s = (p[0][k] * (by - cy) + p[1][k] * (cy - ay) + p[2][k] * (ay - by)) / area2;
 			double r = (p[0][k] * (cx - bx) + p[1][k] * (ax - cx) + p[2][k] * (bx - ax)) / area2;

@@ -255,7 +255,8 @@ void gpu_vulkan_instance_destroy(gpu_vulkan *gpu)
 
 /* ---- GPUs -------------------------------------------------------------------------------------------------------- */
 
-/* The first feature that Stilb needs and a GPU lacks; NULL: it has all. */
+/* The first feature that Stilb needs and a GPU lacks; NULL: it has all. Shaders of surfaces name eight outputs, also
+ * where a pass has fewer images. */
 static const char *gpu_missing(VkPhysicalDevice gpu)
 {
 	VkPhysicalDeviceProperties properties;
@@ -278,6 +279,9 @@ static const char *gpu_missing(VkPhysicalDevice gpu)
 		{features.features.multiDrawIndirect, "multiDrawIndirect"},
 		{features.features.drawIndirectFirstInstance, "drawIndirectFirstInstance"},
 		{features.features.shaderInt64, "shaderInt64"},
+		{properties.limits.maxColorAttachments >= STILB_GPU_MAX_COLORS &&
+	         properties.limits.maxFragmentOutputAttachments >= STILB_GPU_MAX_COLORS,
+	     "eight colour attachments"},
 	};
 	for (size_t i = 0; i < sizeof needs / sizeof *needs; i++)
 		if (!needs[i].there)

@@ -38,8 +38,7 @@ uint32_t render_around_beside_bits(const render_device *device, const stilb_rend
 
 uint32_t render_beside_bits(const render_device *device, const stilb_render_view *view)
 {
-	const stilb_gpu_limits *limits = stilb_gpu_limits_get(device->gpu);
-	bool can = limits->color_attachments >= STILB_GPU_MAX_COLORS && limits->some_colors && !device->own_rows;
+	bool can = stilb_gpu_limits_get(device->gpu)->some_colors && !device->own_rows;
 	if (!can || device->samples > 1 || !render_view_is_lit(view) || render_view_counts(view))
 		return 0;
 	uint32_t seen = render_seen_bits(view), around = render_around_beside_bits(device, view);

@@ -638,7 +638,7 @@ stilb_gpu_attachment render_velocity_depth(render_device *device, const stilb_re
 /* RENDER_BESIDE_... of what a view's passes draw: of what is seen, 0: nothing; of the surroundings' light; and of both
  * what rows that draw surfaces draw. What is not among it has rows of its own: of several samples a pixel; of channels
  * and counts in the place of light; of DEFERRED and TILED_DEFERRED normals and mirrors, for which their rows have no
- * room; and on devices that draw into fewer than eight images at once. */
+ * room; and on devices that cannot leave some images as they are. */
 uint32_t render_seen_bits(const stilb_render_view *view);
 uint32_t render_around_beside_bits(const render_device *device, const stilb_render_view *view);
 uint32_t render_beside_bits(const render_device *device, const stilb_render_view *view);

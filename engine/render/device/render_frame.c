@@ -74,9 +74,9 @@ static void frame_copy3(float out[4], const float in[3])
 }
 
 /* Writes the stream's view to the slot's array, and returns what passes have of it as constants. width, height: of what
- * they draw into, pixels. */
+ * they draw into, pixels. exposure: of the target, by whose first view all its light is kept. */
 static render_view_push frame_write_view(render_device *device, const render_stream *stream, uint32_t width,
-                                         uint32_t height)
+                                         uint32_t height, float exposure)
 {
 	const render_slot *slot = render_slot_now(device);
 	const stilb_render_view *view = stream->view;
@@ -103,7 +103,7 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	memcpy(out->from_clip, from_clip.m, sizeof out->from_clip);
 	memcpy(out->jitter, view->jitter, sizeof out->jitter);
 	out->last_vertices = device->heaps[RENDER_HEAP_LAST].address;
-	out->exposure = exp2f(view->exposure);
+	out->exposure = exposure;
 	out->shadows = slot->memory[RENDER_MEMORY_LIGHT_LISTS].address + stream->lights.shadows * sizeof(float[4]);
 	render_view_push push = {
 		.added = {view->shading.roughness, view->shading.anisotropy, view->shading.wrap, view->shading.specular},
@@ -924,17 +924,24 @@ static stilb_result frame_apart(render_device *device, const render_stream *stre
 	return result == STILB_OK ? render_around_add(device, target, parts) : result;
 }
 
+/* True if some of the stream's surfaces have one of these RENDER_MAPS_... */
+static bool frame_has_maps(const render_device *device, const render_stream *stream, uint64_t bits)
+{
+	for (uint32_t r = 0; r < stream->run_count; r++) {
+		uint64_t state = stream->runs[r].state;
+		if (state & RENDER_STATE_MAPS && device->maps[render_state_group(state)].bits & bits)
+			return true;
+	}
+	return false;
+}
+
 /* Adds the row that draws the depth of what blends, if the stream has some. */
 static stilb_result frame_blended(render_device *device, const render_stream *stream, const render_frame_target *target,
                                   const render_push *push)
 {
-	bool main = target == render_target_main(device), any = false;
-	for (uint32_t r = 0; r < stream->run_count; r++) {
-		uint64_t state = stream->runs[r].state;
-		any |= state & RENDER_STATE_MAPS && device->maps[render_state_group(state)].bits & RENDER_MAPS_BLEND;
-	}
-	if (!stream->view->blended || !main || !any || device->samples > 1 ||
-	    stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_BLENDED_DEPTH) != 0)
+	if (!stream->view->blended || target != render_target_main(device) || device->samples > 1 ||
+	    stilb_gpu_plan_find(device->plan, STILB_RENDER_IMAGE_BLENDED_DEPTH) != 0 ||
+	    !frame_has_maps(device, stream, RENDER_MAPS_BLEND))
 		return STILB_OK;
 	render_formula_programs *choice;
 	render_stream laid = *stream;
@@ -1004,7 +1011,7 @@ static stilb_result frame_scene_into(render_device *device, const render_stream 
 	const render_slot *slot = render_slot_now(device);
 	render_push push = {
 		.view = frame_write_view(device, stream, view->area[2] > 0 ? view->area[2] : target->width,
-	                             view->area[3] > 0 ? view->area[3] : target->height),
+	                             view->area[3] > 0 ? view->area[3] : target->height, target->exposure),
 		.rows = stream->rows ? stream->rows->address : 0,
 		.frame_rows = slot->memory[RENDER_MEMORY_ROWS].address,
 		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
@@ -1031,16 +1038,14 @@ static stilb_result frame_scene_into(render_device *device, const render_stream 
 	                          : result;
 }
 
-/* What the stream's light can be kept in: what blends reads what is there, which 8 bits hold as no sum of light. */
+/* What the stream's light can be kept in. Surfaces that blend add to the light behind them, and two colours encoded in
+ * 8 bits cannot be added: with such surfaces it stays half floats. */
 static stilb_render_hdr frame_hdr(const render_device *device, const render_stream *stream)
 {
-	uint64_t reads = RENDER_MAPS_BLEND | RENDER_MAPS_THROUGH;
-	for (uint32_t r = 0; r < stream->run_count; r++) {
-		uint64_t state = stream->runs[r].state;
-		if (state & RENDER_STATE_MAPS && device->maps[render_state_group(state)].bits & reads)
-			return STILB_RENDER_HDR_HALF;
-	}
-	return render_view_hdr(stream->view);
+	stilb_render_hdr hdr = render_view_hdr(stream->view);
+	bool kept =
+		hdr == STILB_RENDER_HDR_HALF || !frame_has_maps(device, stream, RENDER_MAPS_BLEND | RENDER_MAPS_THROUGH);
+	return kept ? hdr : STILB_RENDER_HDR_HALF;
 }
 
 static stilb_result frame_scene(render_device *device, const render_stream *stream)

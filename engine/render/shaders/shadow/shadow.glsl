@@ -151,9 +151,9 @@ vec2 shadow_disc(int index, float count)
 // The share of a lamp with a size that is seen: what is in front of it, on average, says how wide its shadow's edge is.
 // Asked for are places at distances that grow by equal factors: what is close to the lamp may lie far away in the map,
 // what is close to the point lies next to it. Of both what is not on the way to the lamp, as a ceiling around it, is
-// left out, in the search with some room, so that none is missed. Distances from the lamp are averaged, over which
-// depth is one. Where nothing is in front, all is seen. Source: Fernando, "Percentage-Closer Soft Shadows" (2005), but
-// for the places.
+// left out, in the search with some room, so that none is missed. What is averaged is the distance from the lamp,
+// 1 / depth but for a factor. Where nothing is in front, all is seen. Source: Fernando, "Percentage-Closer Soft
+// Shadows" (2005), but for the places.
 float shadow_soft(ShadowMap map, vec3 at, vec2 slope)
 {
 	const int SEARCHED = 24, ASKED = 32;
